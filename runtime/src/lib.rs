@@ -1,0 +1,1 @@
+//! Reads `EXT_spherical_visibility` and answers, per camera, what to draw.

@@ -1,0 +1,3 @@
+//! The bake pipeline, one module per stage.
+
+pub mod tree;

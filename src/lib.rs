@@ -1,0 +1,4 @@
+//! Bakes direction-dependent visibility into glTF scenes.
+
+pub mod bake;
+pub mod scene;

@@ -1,0 +1,3 @@
+//! The `svs` command.
+
+fn main() {}

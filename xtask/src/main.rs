@@ -1,0 +1,3 @@
+//! Developer commands: `cargo xtask test`, `cargo xtask bench scenes`.
+
+fn main() {}
