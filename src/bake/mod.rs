@@ -1,3 +1,4 @@
 //! The bake pipeline, one module per stage.
 
+pub mod rays;
 pub mod tree;

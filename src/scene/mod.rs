@@ -139,3 +139,22 @@ impl Mesh {
         self.triangles.is_empty()
     }
 }
+
+impl AlphaMask {
+    /// Whether the texel at a texture coordinate passes (nearest texel, glTF's origin at the upper left).
+    /// An empty mask always passes.
+    pub fn passes_at(&self, uv: Vec2) -> bool {
+        let wrap = |x: f32, size: u32, mode: u32| -> u32 {
+            let x = if x.is_finite() { x } else { 0.0 };
+            let unit = match mode {
+                33071 => x.clamp(0.0, 1.0),
+                33648 => 1.0 - (x.rem_euclid(2.0) - 1.0).abs(),
+                _ => x.rem_euclid(1.0),
+            };
+            ((unit * size as f32) as u32).min(size.saturating_sub(1))
+        };
+        let x = wrap(uv.x, self.width, self.wrap[0]);
+        let y = wrap(uv.y, self.height, self.wrap[1]);
+        self.passes.get(y as usize * self.width as usize + x as usize).copied().unwrap_or(true)
+    }
+}

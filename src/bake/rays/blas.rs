@@ -1,0 +1,194 @@
+//! The triangles of one mesh, or of many meshes drawn once each, under one `obvhs` hierarchy.
+
+use super::triangle::{ShearedRay, TriangleHit};
+use crate::scene::{Mesh, Opacity};
+use glam::{DAffine3, Vec2, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::ray::{Ray, RayHit};
+use std::time::Duration;
+
+/// Boxes are widened by this share of the hierarchy's half diagonal: the slab test rounds, and a box missed by
+/// rounding would be a leak. 2^-19 is 16 steps of f32 at 1.
+const BOX_PADDING: f32 = 1.0 / 524_288.0;
+
+/// Hides what is behind it.
+pub(super) const OPAQUE: u8 = 1;
+/// Both sides are drawn.
+pub(super) const DOUBLE_SIDED: u8 = 2;
+/// Is there only where its alpha texture passes.
+const MASKED: u8 = 4;
+
+/// Triangles in their own frame of half diagonal about 1.
+pub(super) struct Blas<'a> {
+    bvh: Bvh2,
+    /// In the order of the hierarchy's leaves.
+    corners: Vec<[[f32; 3]; 3]>,
+    flags: Vec<u8>,
+    /// Member of each triangle, for triangles of several members; else empty.
+    members: Vec<u32>,
+    /// Triangle index in `masked_mesh` of each triangle; empty without MASK surfaces.
+    sources: Vec<u32>,
+    masked_mesh: Option<&'a Mesh>,
+}
+
+/// One placed mesh on its way into a merged hierarchy.
+pub(super) struct Merged<'a> {
+    pub mesh: &'a Mesh,
+    pub member: u32,
+    /// From positions relative to the mesh's origin to the unit frame.
+    pub to_unit: DAffine3,
+}
+
+impl<'a> Blas<'a> {
+    /// One mesh in its own frame: positions divided by `radius`.
+    pub(super) fn of_mesh(mesh: &'a Mesh, radius: f64) -> Self {
+        let scale = |v: u32| (mesh.positions[v as usize].as_dvec3() / radius).as_vec3().to_array();
+        let corners: Vec<_> = mesh.triangles.iter().map(|t| t.map(scale)).collect();
+        let flags = triangle_flags(mesh);
+        let masked = flags.iter().any(|f| f & MASKED != 0);
+        let mut blas = Self::build(corners, flags, Vec::new());
+        if masked {
+            blas.sources = blas.bvh.primitive_indices.clone();
+            blas.masked_mesh = Some(mesh);
+        }
+        blas
+    }
+
+    /// Many meshes, each drawn once, in the unit frame of the scene.
+    pub(super) fn merged(parts: &[Merged<'a>]) -> Self {
+        let total = parts.iter().map(|p| p.mesh.triangles.len()).sum();
+        let mut corners = Vec::with_capacity(total);
+        let mut flags = Vec::with_capacity(total);
+        let mut members = Vec::with_capacity(total);
+        for part in parts {
+            let placed: Vec<[f32; 3]> = part
+                .mesh
+                .positions
+                .iter()
+                .map(|p| part.to_unit.transform_point3(p.as_dvec3()).as_vec3().to_array())
+                .collect();
+            let mirrored = part.to_unit.matrix3.determinant() < 0.0;
+            for triangle in &part.mesh.triangles {
+                let [a, b, c] = triangle.map(|v| placed[v as usize]);
+                corners.push(if mirrored { [a, c, b] } else { [a, b, c] });
+                members.push(part.member);
+            }
+            flags.extend(triangle_flags(part.mesh));
+        }
+        Self::build(corners, flags, members)
+    }
+
+    fn build(corners: Vec<[[f32; 3]; 3]>, flags: Vec<u8>, members: Vec<u32>) -> Self {
+        let padding = Vec3A::splat(BOX_PADDING);
+        let boxes: Vec<Aabb> = corners
+            .iter()
+            .map(|c| {
+                let mut aabb = Aabb::from_points(&c.map(Vec3A::from));
+                aabb.min -= padding;
+                aabb.max += padding;
+                aabb
+            })
+            .collect();
+        let bvh = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
+        let leaf_order = &bvh.primitive_indices;
+        Self {
+            corners: leaf_order.iter().map(|&i| corners[i as usize]).collect(),
+            flags: leaf_order.iter().map(|&i| flags[i as usize]).collect(),
+            members: if members.is_empty() {
+                members
+            } else {
+                leaf_order.iter().map(|&i| members[i as usize]).collect()
+            },
+            sources: Vec::new(),
+            masked_mesh: None,
+            bvh,
+        }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.corners.is_empty()
+    }
+
+    /// Calls `found(t, flags, member, front)` for every triangle that the ray from `origin` meets at
+    /// `0 <= t <= limit`; what it returns is the new limit.
+    #[inline(always)]
+    pub(super) fn trace(
+        &self,
+        origin: Vec3A,
+        direction: Vec3A,
+        limit: f32,
+        mut found: impl FnMut(f32, u8, Option<u32>, bool) -> f32,
+    ) {
+        if self.is_empty() {
+            return;
+        }
+        // Adding +0.0 turns -0.0 into +0.0, which the slab test needs to choose the right infinity.
+        let direction = direction + Vec3A::ZERO;
+        let sheared = ShearedRay::new(origin, direction);
+        let ray = Ray::new(origin, direction, 0.0, limit);
+        let test_leaf = |node: &obvhs::bvh2::node::Bvh2Node, ray: &mut Ray, _: &mut RayHit| {
+            let first = node.first_index as usize;
+            for index in first..first + node.prim_count as usize {
+                if let Some(hit) = sheared.intersect(&self.corners[index])
+                    && hit.t >= 0.0
+                    && hit.t <= ray.tmax
+                    && self.is_there(index, &hit)
+                {
+                    let member = self.members.get(index).copied();
+                    ray.tmax = found(hit.t, self.flags[index], member, hit.front);
+                }
+            }
+            true
+        };
+        obvhs::fast_stack!(u32, (96, 192), self.bvh.max_depth, stack, {
+            self.bvh.ray_traverse_dynamic(&mut stack, ray, &mut RayHit::none(), test_leaf)
+        });
+    }
+
+    /// A MASK surface is there only where its texture passes.
+    #[inline(always)]
+    fn is_there(&self, index: usize, hit: &TriangleHit) -> bool {
+        if self.flags[index] & MASKED == 0 {
+            return true;
+        }
+        self.mask_passes(index, hit)
+    }
+
+    #[cold]
+    fn mask_passes(&self, index: usize, hit: &TriangleHit) -> bool {
+        let Some(mesh) = self.masked_mesh else { return true };
+        let source = self.sources[index];
+        let surface = mesh.surfaces.partition_point(|s| s.triangles.end <= source);
+        let Opacity::Mask(mask) = &mesh.surfaces[surface].opacity else { return true };
+        let uv: Vec2 = mesh.triangles[source as usize]
+            .iter()
+            .zip(hit.weights)
+            .map(|(&v, weight)| mesh.uvs.get(v as usize).copied().unwrap_or_default() * weight)
+            .sum();
+        mask.passes_at(uv)
+    }
+}
+
+fn triangle_flags(mesh: &Mesh) -> Vec<u8> {
+    let mut flags = vec![OPAQUE | DOUBLE_SIDED; mesh.triangles.len()];
+    for surface in &mesh.surfaces {
+        let mut value = match surface.opacity {
+            Opacity::Opaque => OPAQUE,
+            Opacity::Transparent => 0,
+            Opacity::Mask(_) => OPAQUE | MASKED,
+        };
+        if surface.double_sided {
+            value |= DOUBLE_SIDED;
+        }
+        flags[surface.triangles.start as usize..surface.triangles.end as usize].fill(value);
+    }
+    flags
+}
+
+/// A mesh with an alpha texture keeps its own hierarchy: its hits need texture coordinates.
+pub(super) fn has_mask(mesh: &Mesh) -> bool {
+    mesh.surfaces.iter().any(|s| matches!(s.opacity, Opacity::Mask(_)))
+}
