@@ -1,3 +1,5 @@
 //! The bake pipeline, one module per stage.
 
+pub mod hierarchy;
+pub mod spheres;
 pub mod tree;
