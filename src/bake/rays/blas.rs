@@ -103,6 +103,8 @@ impl<'a> Blas<'a> {
             ..BvhBuildParams::fast_build()
         };
         let mut bvh = build_bvh2(&boxes, params, &mut Duration::default());
+        // Lines are far apart, so most of their time is spent waiting for nodes: keep those of a path together.
+        bvh.reorder_in_stack_traversal_order();
         let mut packets = Vec::new();
         // Source triangle of every place in the packets.
         let mut places = Vec::new();
