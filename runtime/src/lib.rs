@@ -1,4 +1,4 @@
-//! Reads `EXT_spherical_visibility` and answers, per camera, what to draw.
+#![doc = include_str!("../README.md")]
 
 mod bounds;
 mod camera;
