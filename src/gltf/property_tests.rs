@@ -100,11 +100,11 @@ fn declare(index: usize, (bytes, style): &(Vec<u8>, u8), glb: bool) -> Value {
     buffer
 }
 
+/// Component type, kind, count and bytes of a table.
+type OwnedTable = (u32, &'static str, usize, Vec<u8>);
+
 /// Tables of every component type; the extension names them all.
-fn payload_of(
-    document: &Document,
-    sizes: &[(u8, Vec<u8>)],
-) -> (Value, Vec<(u32, &'static str, usize, Vec<u8>)>) {
+fn payload_of(document: &Document, sizes: &[(u8, Vec<u8>)]) -> (Value, Vec<OwnedTable>) {
     let tables: Vec<_> = sizes
         .iter()
         .map(|(kind, bytes)| {

@@ -5,7 +5,10 @@ use super::{AccessorKind, Container, Document};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// All .glb files of the scene collection, or none with a message.
+/// Enough variety, and the tests stay fast.
+const LARGEST: u64 = 6 << 20;
+
+/// The smaller .glb files of the scene collection, or none with a message.
 fn scenes() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes");
     let mut found = Vec::new();
@@ -15,7 +18,9 @@ fn scenes() -> Vec<PathBuf> {
             let path = entry.path();
             if path.is_dir() {
                 folders.push(path);
-            } else if Container::from_path(&path) == Some(Container::Glb) {
+            } else if Container::from_path(&path) == Some(Container::Glb)
+                && entry.metadata().is_ok_and(|file| file.len() < LARGEST)
+            {
                 found.push(path);
             }
         }
@@ -35,8 +40,10 @@ fn real_scenes_survive_a_build_byte_for_byte() {
         let plain = document.to_glb().unwrap();
         // Most exporters write JSON as this crate does; where not, only white space and escapes may differ.
         let same = if plain == file { "identical" } else { "equal" };
-        let reread = Document::from_glb(&plain).unwrap();
-        assert_eq!((&reread.json, &reread.buffers), (&document.json, &document.buffers));
+        if plain != file {
+            let reread = Document::from_glb(&plain).unwrap();
+            assert_eq!((&reread.json, &reread.buffers), (&document.json, &document.buffers));
+        }
 
         let bytes = vec![7; 1001];
         let table = Table { bytes: &bytes, component_type: 5121, kind: "SCALAR", count: 1001, min_max: None };
@@ -53,8 +60,12 @@ fn real_scenes_survive_a_build_byte_for_byte() {
 fn positions_of_real_scenes_lie_in_their_declared_bounds() {
     for path in scenes() {
         let document = Document::read(&path).unwrap();
+        if document.json.get("extensionsRequired").is_some() {
+            // Compressed: the accessors hold no data of their own.
+            continue;
+        }
         let mut checked = 0;
-        // A sample is enough: the largest scene has 45,000 accessors.
+        // A sample is enough: some scenes have tens of thousands.
         for index in (0..document.next_accessor()).step_by(37) {
             let Ok(accessor) = document.accessor(index) else { continue };
             if accessor.kind != AccessorKind::Vec3 {
