@@ -135,11 +135,11 @@ fn every_kind_is_valid_at_every_size() {
 #[test]
 fn default_sizes_are_those_of_the_measured_scenes() {
     let plant = sample(SampleKind::Plant, 1.0, 7);
-    assert!((3900..4400).contains(&objects(&plant)), "{}", objects(&plant));
-    assert!((2_200_000..2_600_000).contains(&drawn_triangles(&plant)), "{}", drawn_triangles(&plant));
+    assert!((4_000..4_800).contains(&objects(&plant)), "{}", objects(&plant));
+    assert!((2_300_000..2_600_000).contains(&drawn_triangles(&plant)), "{}", drawn_triangles(&plant));
     let city = sample(SampleKind::City, 1.0, 11);
     assert!((14_000..17_000).contains(&objects(&city)), "{}", objects(&city));
-    assert!((2_300_000..3_000_000).contains(&drawn_triangles(&city)), "{}", drawn_triangles(&city));
+    assert!((2_000_000..2_800_000).contains(&drawn_triangles(&city)), "{}", drawn_triangles(&city));
     assert_eq!(objects(&sample(SampleKind::Cubes, 1.0, 1)), 1000);
     assert_eq!(objects(&sample(SampleKind::Boxes, 1.0, 0)), 512);
     assert_eq!(objects(&sample(SampleKind::Shells, 1.0, 0)), 6);
@@ -173,12 +173,21 @@ fn the_committed_plant_is_what_the_generator_makes() {
     assert!(committed == generate(&SampleOptions::new(SampleKind::Plant)).to_glb(), "run `svs sample plant`");
 }
 
+/// Seconds of processor time of this thread, so that other tests do not count; wall time where the system does
+/// not tell.
+fn thread_seconds(since: Instant) -> f64 {
+    let schedstat = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = schedstat.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
+    nanoseconds.map_or_else(|| since.elapsed().as_secs_f64(), |ns| ns * 1e-9)
+}
+
 #[test]
 fn a_hundred_thousand_objects_take_less_than_two_seconds() {
-    let start = Instant::now();
+    let clock = Instant::now();
+    let start = thread_seconds(clock);
     let sample = sample(SampleKind::Plant, 25.0, 7);
     let glb = sample.to_glb();
-    let seconds = start.elapsed().as_secs_f64();
+    let seconds = thread_seconds(clock) - start;
     let count = objects(&sample);
     assert!(count > 100_000, "{count}");
     assert!(seconds < 2.0, "{seconds} s for {count} objects, {} bytes", glb.len());

@@ -98,7 +98,7 @@ fn blinds(floors: usize, random: &mut Random) -> Shape {
     shape
 }
 
-/// Three walls across the footprint with a door each, 3 m minus the slab high.
+/// Three walls across the footprint with a door each, from slab to slab.
 fn partitions(random: &mut Random) -> Shape {
     const TOP: f64 = FLOOR - 0.2;
     const DOOR_TOP: f64 = 2.1;
@@ -121,7 +121,7 @@ fn partitions(random: &mut Random) -> Shape {
     shape
 }
 
-/// Two tables with four legs and two chairs each of a seat, a back and two legs: 20 boxes, 240 triangles.
+/// Two tables of a top, two legs and a bar, with two chairs each of a seat, a back and a leg: 20 boxes.
 fn tables() -> Shape {
     let mut shape = Shape::new("tables");
     let mut add = |[x, y, z]: [f64; 3], [sx, sy, sz]: [f64; 3]| {

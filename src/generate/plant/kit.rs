@@ -21,7 +21,7 @@ pub(super) mod turn {
     pub(in crate::generate) const ALONG_X: [f64; 4] = [0.0, 0.0, -R, R];
     /// y to z.
     pub(in crate::generate) const ALONG_Z: [f64; 4] = [R, 0.0, 0.0, R];
-    /// Turns about y and tilts about x and z whose quaternions are exact in few decimals (3-4-5 and 7-24-25
+    /// Turns about y, x and z whose quaternions are exact in few decimals (3-4-5 and 7-24-25
     /// triangles): the text stays short and the length exactly 1.
     pub(in crate::generate) const LOOSE: [[f64; 4]; 8] = [
         [0.0, 0.6, 0.0, 0.8],
@@ -72,9 +72,9 @@ impl Kit {
         let parts = vec![
             ("drum", builder.shape(Shape::cylinder("drum", 40, 10))),
             ("roller", builder.shape(Shape::cylinder("roller", 28, 8))),
-            ("vessel", builder.shape(Shape::sphere("vessel", 40, 20))),
+            ("vessel", builder.shape(Shape::sphere("vessel", 36, 18))),
             ("float", builder.shape(Shape::sphere("float", 28, 14))),
-            ("ring", builder.shape(Shape::torus("ring", 44, 22, 0.11))),
+            ("ring", builder.shape(Shape::torus("ring", 40, 20, 0.11))),
             ("seal", builder.shape(Shape::torus("seal", 32, 16, 0.06))),
             ("wheel", builder.shape(Shape::gear("wheel", 36))),
             ("pinion", builder.shape(Shape::gear("pinion", 18))),

@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn normals_have_unit_length_and_agree_with_the_winding() {
-        for shape in [Shape::sphere("s", 16, 8), Shape::torus("t", 16, 8, 0.3), Shape::gear("g", 9)] {
+        for shape in [Shape::sphere("s", 16, 8), Shape::torus("t", 16, 8, 0.2), Shape::gear("g", 9)] {
             for t in shape.indices.chunks_exact(3) {
                 let [a, b, c] = [t[0], t[1], t[2]].map(|i| shape.positions[usize::from(i)].map(f64::from));
                 let face = cross(sub(b, a), sub(c, a));
