@@ -13,7 +13,7 @@
 
 use super::target::Target;
 use crate::bake::hierarchy::{HierarchyKind, build};
-use crate::bake::progress::Progress;
+use crate::bake::Progress;
 use crate::bake::rays::{LineHit, RayScene};
 use crate::bake::spheres::{SphereKind, spheres};
 use crate::bake::tree::{Aabb, Hierarchy, Sphere};

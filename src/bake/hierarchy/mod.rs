@@ -31,6 +31,17 @@ pub enum HierarchyKind {
     Bvh,
 }
 
+impl HierarchyKind {
+    /// The name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scene => "scene",
+            Self::Octree => "octree",
+            Self::Bvh => "bvh",
+        }
+    }
+}
+
 /// Builds the nodes above `members`, which are in document order; `groups` are used by [`HierarchyKind::Scene`]
 /// alone.
 ///

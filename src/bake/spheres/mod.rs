@@ -17,12 +17,13 @@ use points::{MeshPoints, PlacedPart};
 use rayon::prelude::*;
 
 /// How spheres are computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, clap::ValueEnum)]
 pub enum SphereKind {
     /// Union of the children's spheres, or the sphere about the node's box if that is smaller. Radii sum up to
     /// 7-18 % more than tight ones (Eikel, Spherical Visibility Sampling, 2013, section 5.5).
     Simple,
     /// Smallest ball of the extreme points along 49 directions (Larsson 2008), then of all vertices.
+    #[default]
     Tight,
 }
 
