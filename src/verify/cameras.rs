@@ -171,7 +171,8 @@ mod tests {
     fn a_scene_of_small_objects_only_still_gives_cameras() {
         let objects: Vec<Aabb> = (0..8_000)
             .map(|i| {
-                let min = DVec3::new(-5.0 + f64::from(i % 20), f64::from(i / 20 % 20), -1.0 + f64::from(i / 400));
+                let min =
+                    DVec3::new(-5.0 + f64::from(i % 20), f64::from(i / 20 % 20), -1.0 + f64::from(i / 400));
                 Aabb { min, max: min + 1.0 }
             })
             .collect();

@@ -33,7 +33,8 @@ impl PublishedBake {
                 index = end;
             } else {
                 // Objects that hang on the node itself are leaves.
-                let direct_end = if node.subtree > 1 { nodes[index + 1].members.start } else { node.members.end };
+                let direct_end =
+                    if node.subtree > 1 { nodes[index + 1].members.start } else { node.members.end };
                 let direct = node.members.start as usize..direct_end as usize;
                 drawn.extend_from_slice(&self.hierarchy.order[direct]);
                 index += 1;

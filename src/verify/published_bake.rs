@@ -12,8 +12,8 @@
 //! the two measure the same.
 
 use super::target::Target;
-use crate::bake::hierarchy::{HierarchyKind, build};
 use crate::bake::Progress;
+use crate::bake::hierarchy::{HierarchyKind, build};
 use crate::bake::rays::{LineHit, RayScene};
 use crate::bake::spheres::{SphereKind, spheres};
 use crate::bake::tree::{Aabb, Hierarchy, Sphere};

@@ -38,8 +38,9 @@ impl Frame {
     pub fn render(target: &Target, rays: &RayScene<'_>, view: View) -> Self {
         let visible = visible_set(rays, &view);
         let frustum = view.frustum();
-        let in_frustum: Vec<u32> =
-            (0..target.members.len() as u32).filter(|&m| frustum.touches(&target.boxes[m as usize])).collect();
+        let in_frustum: Vec<u32> = (0..target.members.len() as u32)
+            .filter(|&m| frustum.touches(&target.boxes[m as usize]))
+            .collect();
         Self {
             visible_triangles: visible.iter().map(|&(member, _)| target.triangles(member)).sum(),
             frustum_triangles: in_frustum.iter().map(|&member| target.triangles(member)).sum(),

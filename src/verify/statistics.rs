@@ -50,9 +50,9 @@ pub fn interpolate_log(x: f64, (x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> f6
     if y0 > 0.0 && y1 > 0.0 { y0 * (y1 / y0).powf(share) } else { y0 + (y1 - y0) * share }
 }
 
-/// `a / b`; `None` if that is not a number.
-pub fn ratio(a: u64, b: u64) -> Option<f64> {
-    (b > 0).then(|| a as f64 / b as f64)
+/// `a / b`, where a divisor of 0 counts as 1: what is drawn for nothing is not free.
+pub fn ratio(a: u64, b: u64) -> f64 {
+    a as f64 / b.max(1) as f64
 }
 
 #[cfg(test)]
@@ -76,7 +76,7 @@ mod tests {
         // A zero: linear in the value, still logarithmic in x.
         assert!((interpolate_log(10.0, (1.0, 8.0), (100.0, 0.0)) - 4.0).abs() < 1e-12);
         assert_eq!(interpolate_log(5.0, (5.0, 1.0), (5.0, 2.0)), 1.0);
-        assert_eq!(ratio(1, 0), None);
+        assert_eq!((ratio(1, 0), ratio(0, 0), ratio(1, 4)), (1.0, 0.0, 0.25));
     }
 
     proptest! {

@@ -22,12 +22,12 @@ pub struct View {
     pub height: u32,
 }
 
-/// The four side planes of a [`View`], all through its eye.
+/// The four side planes of a [`View`] and the plane that ends behind the viewer, all through its eye.
 #[derive(Clone, Copy, Debug)]
 pub struct Frustum {
     eye: DVec3,
     /// Unit vectors into the frustum.
-    inward: [DVec3; 4],
+    inward: [DVec3; 5],
 }
 
 impl View {
@@ -65,6 +65,7 @@ impl View {
                 side(-self.right, half_width),
                 side(self.up, self.half_height),
                 side(-self.up, self.half_height),
+                self.forward,
             ],
         }
     }
@@ -115,6 +116,8 @@ mod tests {
         assert!(!frustum.touches(&cube(DVec3::new(10.3, 0.0, 0.0))));
         assert!(!frustum.touches(&cube(DVec3::new(0.0, 5.2, 0.0))));
         assert!(!frustum.touches(&cube(DVec3::new(0.0, 0.0, 11.0))));
+        let wide_behind = Aabb { min: DVec3::new(-50.0, -50.0, 10.1), max: DVec3::new(50.0, 50.0, 11.0) };
+        assert!(!frustum.touches(&wide_behind));
         assert!(!frustum.touches(&Aabb::EMPTY));
     }
 
