@@ -10,7 +10,7 @@ const VIEWPOINTS: usize = 512;
 /// of viewers standing at the objects themselves. `visible` are the triangles that each node shows from outside.
 ///
 /// Geometric, because a hierarchy that halves either view is as good as one that halves the other.
-pub fn cost(hierarchy: &Hierarchy, spheres: &[Sphere], members: &[Member], visible: &[f64]) -> f64 {
+pub(super) fn cost(hierarchy: &Hierarchy, spheres: &[Sphere], members: &[Member], visible: &[f64]) -> f64 {
     let outside = drawn_from(hierarchy, spheres, members, visible, None);
     let step = (members.len() / VIEWPOINTS).max(1);
     let viewpoints: Vec<DVec3> = members

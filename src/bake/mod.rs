@@ -77,7 +77,9 @@ pub fn build(
     let scene = read_scene(doc, &ReadOptions { scene: options.scene, mask: options.mask })?;
     let geometry_bytes: u64 = scene.meshes.iter().map(|m| m.bytes).sum();
 
-    let baked: Vec<Baked> = subjects(&scene)
+    // A file without scenes shows nothing by itself: a tree would have nothing to hang on.
+    let subjects = if scene.index.is_some() { subjects(&scene) } else { Vec::new() };
+    let baked: Vec<Baked> = subjects
         .into_iter()
         .map(|subject| {
             let allowed = bytes_allowed(
@@ -164,7 +166,7 @@ fn attach(
             });
         }
         let (scene_index, anchors) = match subject.anchor {
-            Anchor::Scene => (Some(scene.index as u32), Vec::new()),
+            Anchor::Scene => (scene.index.map(|index| index as u32), Vec::new()),
             Anchor::Node(node) => (None, vec![scene.nodes[node as usize].node as u32]),
         };
         trees.push(TreeJson {

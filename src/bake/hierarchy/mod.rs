@@ -9,6 +9,8 @@ mod bvh;
 mod draft;
 mod groups;
 mod octree;
+#[cfg(test)]
+mod tests;
 
 use crate::bake::tree::{Aabb, Group, Hierarchy, Member};
 use draft::{Child, Draft};

@@ -7,6 +7,8 @@ mod epos98;
 mod exact_ball;
 mod points;
 mod simple;
+#[cfg(test)]
+mod tests;
 mod tight;
 
 use crate::bake::hierarchy::is_usable;
