@@ -4,3 +4,4 @@ pub mod bake;
 pub mod generate;
 pub mod gltf;
 pub mod scene;
+pub mod verify;
