@@ -48,7 +48,7 @@ impl Baked {
             scene.nodes.iter().enumerate().map(|(place, node)| (node.node, place)).collect();
         let place = |placement: &Placement| match placement {
             Placement::Scene(at) => {
-                let objects = (*at as usize == scene.index).then_some(0..scene.objects.len() as u32);
+                let objects = (Some(*at as usize) == scene.index).then_some(0..scene.objects.len() as u32);
                 vec![Anchor { to_world: DAffine3::IDENTITY, objects }]
             }
             Placement::Anchors(nodes) => nodes
