@@ -56,7 +56,7 @@ pub(super) struct Plan {
 pub(super) fn plan(doc: &Document, meshes: &[usize], notes: &mut Notes) -> Result<Plan, SceneError> {
     let mut plan = Plan::default();
     let mut first_user: BTreeMap<usize, (usize, String)> = BTreeMap::new();
-    let bytes = doc.buffer_bytes();
+    let bytes: u64 = doc.buffers.iter().map(|buffer| buffer.len() as u64).sum();
     let limit = FREE_CORNERS.saturating_add(bytes.saturating_mul(64));
     let mut corners = 0_u64;
     let mut counted_uvs = BTreeSet::new();
