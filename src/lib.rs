@@ -2,3 +2,4 @@
 
 pub mod bake;
 pub mod scene;
+pub mod validate;
