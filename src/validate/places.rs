@@ -6,7 +6,6 @@ use crate::scene::{MaskMode, ReadOptions, Scene, read_scene};
 use glam::DAffine3;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::rc::Rc;
 use std::sync::Arc;
 use svs_runtime::{Placement, Tree};
 
@@ -18,7 +17,7 @@ pub(super) struct Place {
     /// Index of the scene, to tell objects of different scenes apart.
     pub(super) scene_index: usize,
     /// The scene.
-    pub(super) scene: Rc<Scene>,
+    pub(super) scene: Arc<Scene>,
     /// Index of the anchor in [`Scene::nodes`].
     pub(super) anchor: Option<u32>,
     /// The objects below, in [`Scene::objects`].
@@ -40,7 +39,7 @@ pub(super) struct PlacedTree {
 /// Reads scenes when they are first asked for.
 pub(super) struct Scenes<'a> {
     doc: &'a Document,
-    known: BTreeMap<usize, Option<Rc<Scene>>>,
+    known: BTreeMap<usize, Option<Arc<Scene>>>,
 }
 
 impl<'a> Scenes<'a> {
@@ -57,14 +56,14 @@ impl<'a> Scenes<'a> {
         self.doc.json.get("scenes").and_then(|scenes| scenes.as_array()).map_or(0, Vec::len)
     }
 
-    fn get(&mut self, index: usize, report: &mut ValidationReport) -> Option<Rc<Scene>> {
+    fn get(&mut self, index: usize, report: &mut ValidationReport) -> Option<Arc<Scene>> {
         if let Some(known) = self.known.get(&index) {
             return known.clone();
         }
         // Textures do not matter here.
         let scene = (self.listed() > 0).then_some(index);
         let scene = match read_scene(self.doc, &ReadOptions { scene, mask: MaskMode::Transparent }) {
-            Ok(scene) => Some(Rc::new(scene)),
+            Ok(scene) => Some(Arc::new(scene)),
             Err(error) => {
                 let message = format!("The scene cannot be read, so trees are not checked against it: {error}.");
                 report.warning("SCENE_UNREADABLE", format!("/scenes/{index}"), message);

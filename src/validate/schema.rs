@@ -153,7 +153,7 @@ mod tests {
         expect("/trees/0/levelBits", Some(json!(3)), "VALUE_NOT_IN_LIST", "/trees/0/levelBits");
         expect("/trees/0/objectCount", Some(json!(0)), "VALUE_NOT_IN_RANGE", "/trees/0/objectCount");
         expect("/trees/0/objectCount", Some(json!(1.5)), "TYPE_MISMATCH", "/trees/0/objectCount");
-        expect("/trees/0/importanceArea", Some(json!(0)), "VALUE_NOT_IN_RANGE", "/trees/0/importanceArea");
+        expect("/trees/0/importanceArea", Some(json!(-1)), "VALUE_NOT_IN_RANGE", "/trees/0/importanceArea");
         expect("/trees/0/scene", None, "ONE_OF_MISMATCH", "/trees/0");
         expect("/trees/0/anchors", Some(json!([1])), "ONE_OF_MISMATCH", "/trees/0");
         expect("/trees/0/fingerprint", None, "UNDEFINED_PROPERTY", "/trees/0");
