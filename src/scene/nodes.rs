@@ -3,7 +3,7 @@
 use super::animation::Animated;
 use super::json::{array, extension, index, malformed, optional_index};
 use super::notes::Notes;
-use super::transform::{self, Unusable};
+use super::transform::{self, OUT_OF_RANGE, Unusable};
 use super::{Object, Role, SceneError, SceneNode, instancing};
 use crate::gltf::Document;
 use glam::DAffine3;
@@ -252,12 +252,15 @@ impl<'a> Walker<'a> {
         } else {
             match transform::check(&world) {
                 Ok(()) => None,
-                Err(Unusable::NotFinite) => {
-                    Some(("TRANSFORM_NOT_FINITE", "objects without a finite transform are left out of the bake"))
-                }
-                Err(Unusable::Degenerate) => {
-                    Some(("TRANSFORM_DEGENERATE", "objects flattened by their transform are left out of the bake"))
-                }
+                Err(Unusable::NotFinite) => Some((
+                    "TRANSFORM_NOT_FINITE",
+                    "objects without a finite transform are left out of the bake",
+                )),
+                Err(Unusable::OutOfRange) => Some(OUT_OF_RANGE),
+                Err(Unusable::Degenerate) => Some((
+                    "TRANSFORM_DEGENERATE",
+                    "objects flattened by their transform are left out of the bake",
+                )),
             }
         };
         if let Some((code, message)) = fault {

@@ -88,7 +88,7 @@ fn exclude(scene: &mut Scene, has_morph_targets: &[bool], notes: &mut Notes) {
         } else if mesh.is_empty() {
             ("NO_TRIANGLES", "objects have no triangle that can be seen and are left out of the bake")
         } else if !transform::box_in_range(&object.to_world, mesh.min, mesh.max) {
-            ("OUT_OF_RANGE", "objects reach beyond 1e18 m and are left out of the bake")
+            transform::OUT_OF_RANGE
         } else {
             continue;
         };
