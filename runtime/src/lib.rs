@@ -1,3 +1,7 @@
-//! tmp
-pub mod decode; pub mod directions; pub mod encode; pub mod error; pub mod format; pub mod tables; pub mod tree;
-pub use decode::*; pub use directions::DirectionSet; pub use error::*; pub use tree::*; pub use tables::*;
+//! Reads `EXT_spherical_visibility` and answers, per camera, what to draw.
+
+pub mod directions;
+pub mod encode;
+pub mod format;
+
+pub use directions::DirectionSet;
