@@ -52,12 +52,15 @@ pub(super) fn object<'p>(tree: &PlacedTree, place: &'p Place, k: u32) -> (u32, &
 fn check_count(tree: &PlacedTree, place: &Place, report: &mut ValidationReport) -> bool {
     let (count, there) = (tree.tree.object_count(), place.objects.len());
     // A tree without tables may claim any number of objects: no loop over them before this comparison.
-    let largest = if count > there { None } else { (0..count).map(|k| tree.tree.document_index(k) as usize).max() };
+    let largest =
+        if count > there { None } else { (0..count).map(|k| tree.tree.document_index(k) as usize).max() };
     if count <= there && largest.is_none_or(|largest| largest < there) {
         return true;
     }
     let asked = largest.map_or(String::new(), |largest| format!(", up to number {largest}"));
-    let message = format!("The bake is stale: the tree has {count} objects{asked}; the document has {there} here. Bake again.");
+    let message = format!(
+        "The bake is stale: the tree has {count} objects{asked}; the document has {there} here. Bake again."
+    );
     report.error("OBJECT_COUNT_MISMATCH", place.pointer.clone(), message);
     false
 }
@@ -121,10 +124,18 @@ fn check_objects(
     }
     let at = |node: usize| format!("/nodes/{node}");
     if let Some((k, node)) = moved {
-        report.error("OBJECT_ANIMATED", at(node), format!("Object {k} of {} moves within the tree's space.", tree.at));
+        report.error(
+            "OBJECT_ANIMATED",
+            at(node),
+            format!("Object {k} of {} moves within the tree's space.", tree.at),
+        );
     }
     if let Some((k, node)) = deforming {
-        report.error("OBJECT_DEFORMS", at(node), format!("Object {k} of {} has a skin or morph targets.", tree.at));
+        report.error(
+            "OBJECT_DEFORMS",
+            at(node),
+            format!("Object {k} of {} has a skin or morph targets.", tree.at),
+        );
     }
     if let Some((k, node, other)) = taken {
         let message = format!("Object {k} of {} is also in the tree at {other}.", tree.at);

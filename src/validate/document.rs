@@ -18,7 +18,11 @@ pub(super) fn check_declaration(json: &Value, report: &mut ValidationReport) {
     }
     if !present {
         let pointer = used.map_or(String::new(), |index| format!("/extensionsUsed/{index}"));
-        report.information("EXTENSION_ABSENT", pointer, format!("The document has no {EXTENSION_NAME} data."));
+        report.information(
+            "EXTENSION_ABSENT",
+            pointer,
+            format!("The document has no {EXTENSION_NAME} data."),
+        );
     }
     if let Some(index) = position(json, "extensionsRequired") {
         report.warning(

@@ -53,12 +53,12 @@ fn misplaced(outer: &PlacedTree, outer_place: &Place, inner: &Place, entry: &Nes
         ));
     }
     // The anchor's own movement counts here: a sphere of the outer tree is around it.
-    let moving = outer_place.scene.nodes[nodes_below(outer_place)]
-        .iter()
-        .zip(nodes_below(outer_place))
-        .any(|(node, index)| {
-            node.moving && inner.anchor.is_some_and(|a| (index..node.subtree_end as usize).contains(&(a as usize)))
-        });
+    let moving = outer_place.scene.nodes[nodes_below(outer_place)].iter().zip(nodes_below(outer_place)).any(
+        |(node, index)| {
+            node.moving
+                && inner.anchor.is_some_and(|a| (index..node.subtree_end as usize).contains(&(a as usize)))
+        },
+    );
     moving.then(|| format!("The anchor at {} moves within the space of the tree around it.", inner.pointer))
 }
 

@@ -65,7 +65,8 @@ impl<'a> Scenes<'a> {
         let scene = match read_scene(self.doc, &ReadOptions { scene, mask: MaskMode::Transparent }) {
             Ok(scene) => Some(Arc::new(scene)),
             Err(error) => {
-                let message = format!("The scene cannot be read, so trees are not checked against it: {error}.");
+                let message =
+                    format!("The scene cannot be read, so trees are not checked against it: {error}.");
                 report.warning("SCENE_UNREADABLE", format!("/scenes/{index}"), message);
                 None
             }
@@ -121,12 +122,21 @@ impl<'a> Scenes<'a> {
             let Some(anchor) = scene.nodes.iter().position(|n| n.node == node) else { continue };
             let to_tree = scene.nodes[anchor].to_world.inverse();
             if !to_tree.is_finite() {
-                let message = format!("The global transform of node {node} cannot be inverted: no tree can hang there.");
+                let message = format!(
+                    "The global transform of node {node} cannot be inverted: no tree can hang there."
+                );
                 report.warning("ANCHOR_NOT_INVERTIBLE", pointer, message);
                 return None;
             }
             let objects = scene.nodes[anchor].objects.clone();
-            return Some(Place { pointer, scene_index: index, scene, anchor: Some(anchor as u32), objects, to_tree });
+            return Some(Place {
+                pointer,
+                scene_index: index,
+                scene,
+                anchor: Some(anchor as u32),
+                objects,
+                to_tree,
+            });
         }
         if !unreadable {
             report.information("ANCHOR_UNREACHABLE", pointer, format!("No scene shows node {node}."));
@@ -147,9 +157,7 @@ fn check_apart(places: &[Option<Place>], report: &mut ValidationReport) {
         .collect();
     ranges.sort_by_key(|&(scene, start, ..)| (scene, start));
     // Subtrees nest or are apart, so the next one by start is the first that could be inside.
-    if let Some([outer, inner]) =
-        ranges.array_windows::<2>().find(|[a, b]| a.0 == b.0 && b.1 < a.2)
-    {
+    if let Some([outer, inner]) = ranges.array_windows::<2>().find(|[a, b]| a.0 == b.0 && b.1 < a.2) {
         let message = format!("This anchor is below the anchor at {}.", outer.3.pointer);
         report.error("ANCHOR_BELOW_ANCHOR", inner.3.pointer.clone(), message);
     }

@@ -98,11 +98,21 @@ impl ValidationReport {
         })
     }
 
-    pub(super) fn error(&mut self, code: &'static str, pointer: impl Into<String>, message: impl Into<String>) {
+    pub(super) fn error(
+        &mut self,
+        code: &'static str,
+        pointer: impl Into<String>,
+        message: impl Into<String>,
+    ) {
         self.push(Severity::Error, code, pointer.into(), message.into());
     }
 
-    pub(super) fn warning(&mut self, code: &'static str, pointer: impl Into<String>, message: impl Into<String>) {
+    pub(super) fn warning(
+        &mut self,
+        code: &'static str,
+        pointer: impl Into<String>,
+        message: impl Into<String>,
+    ) {
         self.push(Severity::Warning, code, pointer.into(), message.into());
     }
 

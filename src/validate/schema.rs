@@ -134,7 +134,8 @@ mod tests {
             None => _ = parent.as_object_mut().unwrap().remove(key),
         }
         let found = codes(&extension);
-        let found: Vec<(&str, &str)> = found.iter().map(|(code, pointer)| (*code, pointer.as_str())).collect();
+        let found: Vec<(&str, &str)> =
+            found.iter().map(|(code, pointer)| (*code, pointer.as_str())).collect();
         assert_eq!(found, [(code, format!("{ROOT}{at}").as_str())]);
     }
 
@@ -157,8 +158,18 @@ mod tests {
         expect("/trees/0/scene", None, "ONE_OF_MISMATCH", "/trees/0");
         expect("/trees/0/anchors", Some(json!([1])), "ONE_OF_MISMATCH", "/trees/0");
         expect("/trees/0/fingerprint", None, "UNDEFINED_PROPERTY", "/trees/0");
-        expect("/trees/0/fingerprint/hash", Some(json!("xyz")), "PATTERN_MISMATCH", "/trees/0/fingerprint/hash");
-        expect("/trees/0/recommended/quality", Some(json!(2)), "VALUE_NOT_IN_RANGE", "/trees/0/recommended/quality");
+        expect(
+            "/trees/0/fingerprint/hash",
+            Some(json!("xyz")),
+            "PATTERN_MISMATCH",
+            "/trees/0/fingerprint/hash",
+        );
+        expect(
+            "/trees/0/recommended/quality",
+            Some(json!(2)),
+            "VALUE_NOT_IN_RANGE",
+            "/trees/0/recommended/quality",
+        );
         expect("/trees/0/nested/0/tree", Some(json!(-1)), "VALUE_NOT_IN_RANGE", "/trees/0/nested/0/tree");
         expect("/trees/0/tables/LEVEL_ROW", None, "UNSATISFIED_DEPENDENCY", "/trees/0/tables");
         expect("/trees/0/tables/_MINE", Some(json!("six")), "TYPE_MISMATCH", "/trees/0/tables/_MINE");

@@ -64,7 +64,8 @@ pub(super) fn read<'a>(
             let pointer = || format!("{ROOT}/trees/{tree}/tables/{}", escape(name));
             if !KNOWN.contains(&name.as_str()) {
                 if !name.starts_with('_') {
-                    let message = format!("{name:?} is not known; semantics of applications start with an underscore.");
+                    let message =
+                        format!("{name:?} is not known; semantics of applications start with an underscore.");
                     report.information("UNKNOWN_TABLE", pointer(), message);
                 }
                 continue;
@@ -94,7 +95,8 @@ pub(super) fn read<'a>(
 
 fn open(doc: &Document, index: usize) -> Result<Stored<'_>, (&'static str, String)> {
     let json = doc.json.get("accessors").and_then(|accessors| accessors.get(index));
-    let json = json.ok_or_else(|| ("UNRESOLVED_REFERENCE", format!("Unresolved reference: accessor {index}.")))?;
+    let json =
+        json.ok_or_else(|| ("UNRESOLVED_REFERENCE", format!("Unresolved reference: accessor {index}.")))?;
     if json.get("bufferView").is_none() || json.get("sparse").is_some() {
         return Err(("TABLE_STORAGE", "A table must have a bufferView and no sparse values.".to_owned()));
     }

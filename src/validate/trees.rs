@@ -8,7 +8,8 @@ use std::sync::Arc;
 use svs_runtime::encode::row_stride;
 use svs_runtime::{AccessorSource, DecodeError, Tree, TreeError, Visibility};
 
-/// Decodes each tree; `None` for those with errors, which are reported.
+/// Decodes each tree; `None` for those with errors, which are reported. Of trees that do not fit together there
+/// are none: what they hold could not be told apart.
 pub(super) fn decode(
     extension: &Value,
     tables: &Tables<'_>,
@@ -36,10 +37,8 @@ pub(super) fn decode(
             }
         })
         .collect();
-    if trees.iter().all(Option::is_some) && trees.iter().flatten().count() > 0 {
-        check_together(extension, json, tables, report);
-    }
-    trees
+    let fit = trees.iter().any(Option::is_none) || check_together(extension, json, tables, report);
+    if fit { trees } else { Vec::new() }
 }
 
 /// JSON pointer of a tree.
@@ -66,18 +65,24 @@ fn decode_one(extension: &Value, tree: &Value, tables: &Tables<'_>) -> Result<Ar
 }
 
 /// What only shows when all trees are known: whether they nest.
-fn check_together(extension: &Value, json: &[Value], tables: &Tables<'_>, report: &mut ValidationReport) {
+fn check_together(
+    extension: &Value,
+    json: &[Value],
+    tables: &Tables<'_>,
+    report: &mut ValidationReport,
+) -> bool {
     if json.iter().all(|tree| tree.get("nested").is_none()) {
-        return;
+        return true;
     }
-    match Visibility::decode(extension, tables) {
-        Ok(_) => {}
-        Err(DecodeError::Tree { tree, source: TreeError::Nested { entry, problem } }) => {
-            let code = if is_cyclic(json) { "NESTED_CYCLE" } else { "NESTED_INVALID" };
-            report.error(code, format!("{}/nested/{entry}", pointer(tree)), sentence(problem));
+    let Err(error) = Visibility::decode(extension, tables) else { return true };
+    match error {
+        DecodeError::Tree { tree, source: TreeError::Nested { entry, problem } } if is_cyclic(json) => {
+            report.error("NESTED_CYCLE", format!("{}/nested/{entry}", pointer(tree)), sentence(problem));
         }
-        Err(error) => report_error(&error, 0, report),
+        DecodeError::Tree { tree, .. } => report_error(&error, tree, report),
+        _ => report_error(&error, 0, report),
     }
+    false
 }
 
 /// Whether some tree contains itself, over any number of steps: trees that no remaining tree contains are taken away

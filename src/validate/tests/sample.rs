@@ -72,7 +72,8 @@ impl Sample {
         inner["objectCount"] = json!(2);
         inner["fingerprint"] = print(&[(0, 1), (1, 1)]);
         sample.json["extensionsUsed"] = json!(["EXT_spherical_visibility"]);
-        sample.json["extensions"]["EXT_spherical_visibility"] = json!({"version": "1.0", "trees": [outer, inner]});
+        sample.json["extensions"]["EXT_spherical_visibility"] =
+            json!({"version": "1.0", "trees": [outer, inner]});
         for (tree, sphere, objects) in [(0, [2.5, 0.5, 0.0, 3.0], 3u8), (1, [4.0, 0.5, 0.0, 1.5], 2)] {
             sample.spheres(tree, &[sphere]);
             sample.bytes(tree, "NODE_SUBTREE", &[1]);
@@ -124,7 +125,8 @@ impl Sample {
         self.json["buffers"][0]["byteLength"] = json!(self.bin.len());
         let accessors = self.json["accessors"].as_array_mut().unwrap();
         let count = bytes.len() / (components * size);
-        accessors.push(json!({"bufferView": view, "componentType": component_type, "count": count, "type": kind}));
+        accessors
+            .push(json!({"bufferView": view, "componentType": component_type, "count": count, "type": kind}));
         accessors.len() - 1
     }
 
@@ -149,7 +151,11 @@ impl Sample {
     /// Expects exactly one error, below tree 0.
     #[track_caller]
     pub(super) fn expect_error(&self, code: &str, below_tree: &str) {
-        self.expect(Severity::Error, code, &format!("/extensions/EXT_spherical_visibility/trees/0{below_tree}"));
+        self.expect(
+            Severity::Error,
+            code,
+            &format!("/extensions/EXT_spherical_visibility/trees/0{below_tree}"),
+        );
     }
 }
 
