@@ -2,6 +2,7 @@
 
 mod properties;
 mod sample;
+mod specification;
 
 use super::*;
 use sample::{Sample, print};
@@ -13,11 +14,6 @@ const TREE: &str = "/extensions/EXT_spherical_visibility/trees/0";
 fn the_examples_are_clean() {
     assert_eq!(Sample::example().validate().issues, []);
     assert_eq!(Sample::nested().validate().issues, []);
-}
-
-#[test]
-fn the_fingerprint_example_of_the_specification() {
-    assert_eq!(print(&[(0, 12), (2, 500)]), json!({"triangles": 512, "hash": "0f65b61eb43fe094"}));
 }
 
 #[test]
