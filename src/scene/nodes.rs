@@ -39,7 +39,7 @@ pub(super) fn walk(
 ) -> Result<Walk, SceneError> {
     let nodes = array(&doc.json, "nodes", "")?;
     let roots = roots(&doc.json, scene, nodes, notes)?;
-    let bytes = doc.buffer_bytes();
+    let bytes: u64 = doc.buffers.iter().map(|buffer| buffer.len() as u64).sum();
     let mut walker = Walker {
         doc,
         nodes,
