@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{camera, sample};
+use common::{camera, camera_at, sample};
 use proptest::prelude::*;
 use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -107,14 +107,19 @@ fn is_subset(small: &[u32], large: &[u32]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig::with_cases(600))]
 
     #[test]
-    fn culling_follows_the_rules(seed: u64, eye: u64, settings in settings(), hide: Option<u16>) {
+    fn culling_follows_the_rules(
+        seed: u64, eye: u64, at: Option<u16>, settings in settings(), hide: Option<u16>,
+    ) {
         let (mut culler, bounds) = culler(seed, false);
         let hidden: Vec<u32> = hide.map(|h| u32::from(h) % bounds.len() as u32).into_iter().collect();
         hidden.iter().for_each(|&h| culler.set_hidden(h, true));
-        let camera = camera(eye);
+        let camera = at.map_or_else(
+            || camera(eye),
+            |object| camera_at(&bounds[usize::from(object) % bounds.len()], eye),
+        );
         let tree = Arc::clone(culler.tree());
         let expected = expected(&tree, &bounds, &camera, &settings, &hidden);
         prop_assert_eq!(culler.cull(&camera, &settings), expected);

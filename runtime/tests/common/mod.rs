@@ -75,11 +75,11 @@ impl Builder {
                 self.node(child, reach * 0.4, depth + 1);
             }
         }
-        // A sphere that holds all boxes.
+        // A sphere that holds all boxes, or, as around round things, only most of them.
         let boxes = &self.bounds[first..];
         let middle = boxes.iter().map(|b| (b.min + b.max) * 0.5).sum::<Vec3>() / boxes.len().max(1) as f32;
         let far = |b: &Bounds| (b.max - middle).abs().max((b.min - middle).abs()).length();
-        let radius = boxes.iter().map(far).fold(0.0, f32::max) * 1.0001;
+        let radius = boxes.iter().map(far).fold(0.0, f32::max) * [1.0001, 0.7][self.random.below(2)];
         self.tables.node_sphere[index] = [middle.x, middle.y, middle.z, radius];
         self.tables.node_subtree[index] = (self.tables.node_sphere.len() - index) as u32;
         self.tables.node_object_count[index] = (self.bounds.len() - first) as u32;
@@ -148,6 +148,14 @@ pub(crate) fn camera(seed: u64) -> Camera {
     let mut random = Random(seed);
     let distance = [3.0, 10.0, 20.0, 60.0][random.below(4)];
     let eye = random.point(distance);
+    Camera::perspective(view(eye, random.point(8.0)), 60_f64.to_radians(), 1280.0, 720.0, 0.05)
+}
+
+/// A camera in or near one of the boxes.
+pub(crate) fn camera_at(bounds: &Bounds, seed: u64) -> Camera {
+    let mut random = Random(seed);
+    let half = (bounds.max - bounds.min).length() * 0.6;
+    let eye = (bounds.min + bounds.max).as_dvec3() * 0.5 + random.point(f64::from(half));
     Camera::perspective(view(eye, random.point(8.0)), 60_f64.to_radians(), 1280.0, 720.0, 0.05)
 }
 
