@@ -81,8 +81,7 @@ pub fn encode_tree(tree: &BakedTree, subject: &Subject, directions: &DirectionSe
         if let Some(index) = packed.index {
             tables.push(integers("LEVEL_ROW_INDEX", index.into_iter()));
         }
-        let importance: Vec<u8> =
-            order.iter().flat_map(|&m| tree.importance(m, importance_area)).collect();
+        let importance: Vec<u8> = order.iter().flat_map(|&m| tree.importance(m, importance_area)).collect();
         if !importance.is_empty() {
             tables.push(bytes("IMPORTANCE", importance));
         }

@@ -77,10 +77,8 @@ pub fn bake_tree(
     };
     let mut candidates: Vec<Candidate> =
         kinds.iter().map(|&kind| candidate(kind, subject, meshes, options)).collect();
-    let mut targets: Vec<Target> = candidates
-        .iter()
-        .map(|c| Target::new(Ancestry::new(&c.hierarchy), directions.len()))
-        .collect();
+    let mut targets: Vec<Target> =
+        candidates.iter().map(|c| Target::new(Ancestry::new(&c.hierarchy), directions.len())).collect();
 
     let limit = options.ray_limit();
     let pilot = PILOT_RAYS.min(limit / 2).max(1);
@@ -127,7 +125,8 @@ pub fn bake_tree(
         let before = rays;
         rays += found.rays;
         index += 1;
-        missing_ppm = if found.seen == 0 { missing_ppm } else { found.missing_ppm() * before as f64 / rays as f64 };
+        missing_ppm =
+            if found.seen == 0 { missing_ppm } else { found.missing_ppm() * before as f64 / rays as f64 };
         if missing_ppm * ESTIMATE_MARGIN <= options.target_ppm() || rays >= limit || found.seen == 0 {
             break;
         }
@@ -156,7 +155,16 @@ pub fn bake_tree(
             made: Made { kind: chosen.kind, nodes_before, prune: share, rays, missing_ppm },
         };
         let enough = fits(&result);
-        if std::env::var("DBG").is_ok() { let sub=subject; let e=super::encode::encode_tree(&result, sub, directions); eprintln!("share {share} nodes {} bits {} {:?}", result.hierarchy.nodes.len(), e.level_bits, e.tables.iter().map(|t|(t.semantic,t.bytes.len())).collect::<Vec<_>>()); }
+        if std::env::var("DBG").is_ok() {
+            let sub = subject;
+            let e = super::encode::encode_tree(&result, sub, directions);
+            eprintln!(
+                "share {share} nodes {} bits {} {:?}",
+                result.hierarchy.nodes.len(),
+                e.level_bits,
+                e.tables.iter().map(|t| (t.semantic, t.bytes.len())).collect::<Vec<_>>()
+            );
+        }
         baked = Some(result);
         if enough {
             break;
@@ -204,28 +212,17 @@ impl State {
     }
 }
 
-fn candidate(
-    kind: HierarchyKind,
-    subject: &Subject,
-    meshes: &[Mesh],
-    options: &BakeOptions,
-) -> Candidate {
+fn candidate(kind: HierarchyKind, subject: &Subject, meshes: &[Mesh], options: &BakeOptions) -> Candidate {
     let mut hierarchy = hierarchy::build(kind, &subject.members, &subject.groups);
     let shallow = prune::nodes_within_depth(&hierarchy, MAX_DEPTH);
     if !shallow.iter().all(|&k| k) {
         hierarchy = prune::without_dropped(&hierarchy, &shallow);
     }
-    let spheres =
-        spheres::spheres(options.spheres, &hierarchy, &subject.members, &subject.parts, meshes);
+    let spheres = spheres::spheres(options.spheres, &hierarchy, &subject.members, &subject.parts, meshes);
     Candidate { kind, hierarchy, spheres }
 }
 
-fn pruned_cost(
-    candidate: &Candidate,
-    target: &Target,
-    subject: &Subject,
-    share: f64,
-) -> (f64, Vec<bool>) {
+fn pruned_cost(candidate: &Candidate, target: &Target, subject: &Subject, share: f64) -> (f64, Vec<bool>) {
     let mut state = State {
         hierarchy: candidate.hierarchy.clone(),
         spheres: candidate.spheres.clone(),

@@ -76,8 +76,7 @@ pub fn without_dropped(hierarchy: &Hierarchy, keep: &[bool]) -> Hierarchy {
         }
         node
     };
-    let parents: Vec<Option<u32>> =
-        hierarchy.nodes.iter().map(|n| kept_above(n.parent)).collect();
+    let parents: Vec<Option<u32>> = hierarchy.nodes.iter().map(|n| kept_above(n.parent)).collect();
     let member_parents: Vec<Option<u32>> =
         hierarchy.parents_of_members().into_iter().map(kept_above).collect();
 

@@ -73,7 +73,8 @@ pub fn read_scene(doc: &Document, options: &ReadOptions) -> Result<Scene, SceneE
     let materials = materials::read(doc, &plan.materials, &animated, options.mask, &mut notes)?;
     let meshes = meshes::read(doc, &plan, &materials, &mut notes)?;
     let has_morph_targets: Vec<bool> = plan.meshes.iter().map(|mesh| mesh.has_morph_targets).collect();
-    let mut scene = Scene { index: walk.scene, meshes, objects: walk.objects, nodes: walk.nodes, notes: Vec::new() };
+    let mut scene =
+        Scene { index: walk.scene, meshes, objects: walk.objects, nodes: walk.nodes, notes: Vec::new() };
     exclude(&mut scene, &has_morph_targets, &mut notes);
     scene.notes = notes.into_vec();
     Ok(scene)

@@ -82,18 +82,26 @@ impl Grid {
         (self.cells[0] * self.cells[1]) as f64 / self.area()
     }
 
-    /// A point of every line, near the scene's centre: one at random in each cell, row by row so that
+    /// A point of every line, near the scene's centre: one at random in each cell, tile by tile so that
     /// neighbours in time are neighbours in space.
     pub(crate) fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
+        const TILE: usize = 8;
         let [columns, rows] = self.cells;
         let mut random = Random::new(self.seed, self.stream);
         let step = [2.0 * self.half_extent[0] / columns as f64, 2.0 * self.half_extent[1] / rows as f64];
-        (0..rows).flat_map(move |row| (0..columns).map(move |column| (column, row))).map(move |(column, row)| {
-            let (x, y) = random.pair();
-            let u = (column as f64 + x) * step[0] - self.half_extent[0];
-            let v = (row as f64 + y) * step[1] - self.half_extent[1];
-            self.axes[0] * u + self.axes[1] * v
-        })
+        let tiles = move |cells: usize| (0..cells.div_ceil(TILE)).map(move |tile| tile * TILE);
+        tiles(rows)
+            .flat_map(move |row| tiles(columns).map(move |column| (column, row)))
+            .flat_map(move |(column, row)| {
+                let columns = column..(column + TILE).min(columns);
+                (row..(row + TILE).min(rows)).flat_map(move |row| columns.clone().map(move |c| (c, row)))
+            })
+            .map(move |(column, row)| {
+                let (x, y) = random.pair();
+                let u = (column as f64 + x) * step[0] - self.half_extent[0];
+                let v = (row as f64 + y) * step[1] - self.half_extent[1];
+                self.axes[0] * u + self.axes[1] * v
+            })
     }
 }
 

@@ -54,8 +54,7 @@ fn visible(crossings: &[Crossing], members: &[u32], side: usize) -> Vec<u32> {
     let distance = |c: &Crossing| if side == 0 { c.t } else { -c.t };
     let within: Vec<&Crossing> =
         crossings.iter().filter(|c| c.sides[side] && members.contains(&c.member)).collect();
-    let nearest =
-        within.iter().filter(|c| c.opaque).map(|c| distance(c)).fold(f64::INFINITY, f64::min);
+    let nearest = within.iter().filter(|c| c.opaque).map(|c| distance(c)).fold(f64::INFINITY, f64::min);
     let mut seen: Vec<u32> = within
         .iter()
         .filter(|c| distance(c) <= nearest + if nearest.is_finite() { 1e-9 } else { 0.0 })
@@ -87,7 +86,8 @@ fn crossings(meshes: &[Mesh], parts: &[Part], point: DVec3, direction: DVec3) ->
         let corner =
             |v: u32| part.to_tree.transform_point3(mesh.origin + mesh.positions[v as usize].as_dvec3());
         for surface in &mesh.surfaces {
-            for triangle in &mesh.triangles[surface.triangles.start as usize..surface.triangles.end as usize] {
+            for triangle in &mesh.triangles[surface.triangles.start as usize..surface.triangles.end as usize]
+            {
                 let [a, b, c] = triangle.map(corner);
                 let (edge1, edge2) = (b - a, c - a);
                 let p = direction.cross(edge2);

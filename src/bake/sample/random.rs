@@ -97,7 +97,9 @@ mod tests {
         assert_eq!(random.clone().next(), random.next());
         for _ in 0..1_000 {
             let (a, b) = random.pair();
-            assert!((0.0..1.0).contains(&a) && (0.0..1.0).contains(&b) && (0.0..1.0).contains(&random.unit()));
+            assert!(
+                (0.0..1.0).contains(&a) && (0.0..1.0).contains(&b) && (0.0..1.0).contains(&random.unit())
+            );
         }
     }
 }

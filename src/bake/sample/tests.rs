@@ -60,23 +60,20 @@ fn random_scene(seed: u64) -> (Vec<Mesh>, Vec<Member>, Vec<Part>) {
 #[test]
 fn levels_equal_the_oracle() {
     let directions = DirectionSet::by_name("dodecahedron").unwrap();
-    for (seed, kind) in
-        [(1, HierarchyKind::Octree), (2, HierarchyKind::Bvh), (3, HierarchyKind::Octree), (4, HierarchyKind::Bvh)]
-    {
+    for (seed, kind) in [
+        (1, HierarchyKind::Octree),
+        (2, HierarchyKind::Bvh),
+        (3, HierarchyKind::Octree),
+        (4, HierarchyKind::Bvh),
+    ] {
         let (meshes, members, parts) = random_scene(seed);
         let scene = RayScene::new(&meshes, &parts);
         let hierarchy = hierarchy::build(kind, &members, &[]);
         let mut target = Target::new(Ancestry::new(&hierarchy), directions.len());
         let (rays, index) = (40_000, seed);
-        let found = sample_batch(
-            &scene,
-            directions,
-            std::slice::from_mut(&mut target),
-            None,
-            rays,
-            index,
-            &|_| (),
-        )[0];
+        let found =
+            sample_batch(&scene, directions, std::slice::from_mut(&mut target), None, rays, index, &|_| ())
+                [0];
         assert!(found.seen > 1_000);
         assert_eq!(found.seen, found.missed, "nothing was known before the first batch");
 
@@ -86,11 +83,7 @@ fn levels_equal_the_oracle() {
             scene.center() + point * scene.radius()
         });
         for member in 0..members.len() as u32 {
-            assert_eq!(
-                target.levels.row(member),
-                expected[member as usize],
-                "seed {seed}, member {member}"
-            );
+            assert_eq!(target.levels.row(member), expected[member as usize], "seed {seed}, member {member}");
         }
     }
 }
@@ -147,8 +140,11 @@ fn areas_are_those_of_a_known_shape() {
     };
     let meshes = [square];
     let place = |x: f64| DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
-    let parts: Vec<Part> =
-        [0.0, 3.0].iter().enumerate().map(|(m, &x)| Part { mesh: 0, member: m as u32, to_tree: place(x) }).collect();
+    let parts: Vec<Part> = [0.0, 3.0]
+        .iter()
+        .enumerate()
+        .map(|(m, &x)| Part { mesh: 0, member: m as u32, to_tree: place(x) })
+        .collect();
     let members: Vec<Member> = parts
         .iter()
         .map(|p| Member {
