@@ -32,8 +32,6 @@ use std::sync::Arc;
 pub struct Scene {
     /// Index of the glTF scene; `None` for a file without scenes, whose nodes are then read as one.
     pub index: Option<usize>,
-    /// Index of the glTF scene; `None` for a file without scenes, which is read as one scene of all its nodes.
-    pub index: Option<usize>,
     /// Distinct meshes in use, each one once however often it is drawn.
     pub meshes: Vec<Mesh>,
     /// Every mesh-bearing node the scene reaches (one entry per instance of `EXT_mesh_gpu_instancing`),
