@@ -161,6 +161,11 @@ impl Document {
         self.storage.get(index)
     }
 
+    /// Bytes of all buffers: the bound on what accessors with data can describe.
+    pub fn buffer_bytes(&self) -> u64 {
+        self.buffers.iter().map(|buffer| buffer.len() as u64).sum()
+    }
+
     /// Number of accessors, which is the index that the next appended accessor gets.
     pub fn next_accessor(&self) -> usize {
         json::array(&self.json, "accessors").len()

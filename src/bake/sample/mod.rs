@@ -11,6 +11,8 @@ mod walk;
 
 #[cfg(test)]
 mod oracle;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use areas::Areas;
 pub use levels::Levels;
@@ -77,11 +79,7 @@ pub(crate) fn sample_batch(
     index: u64,
     advance: &(dyn Fn(u64) + Sync),
 ) -> Vec<Found> {
-    const SEED: u64 = 0x5356_5300;
-    // Each line counts for two bins.
-    let lines = (directions.len() * SUB_DIRECTIONS / 2)
-        .min((rays / 2 / MIN_RAYS_PER_DIRECTION).max(directions.len() as u64 * 2) as usize);
-    let batch = Batch::new(scene.half_size(), lines, rays, SEED, index);
+    let batch = batch(scene, directions, rays, index);
     let shared: Vec<SharedLevels> = targets.iter().map(|t| SharedLevels::from_levels(&t.levels)).collect();
     let bins = |grid: &Grid| {
         [directions.nearest((-grid.direction).as_vec3()), directions.nearest(grid.direction.as_vec3())]
@@ -135,6 +133,15 @@ pub(crate) fn sample_batch(
         target.levels = shared.into_levels();
     }
     found.into_iter().map(|f| Found { rays: batch.rays, ..f }).collect()
+}
+
+/// The lines of batch `index`.
+fn batch(scene: &RayScene<'_>, directions: &DirectionSet, rays: u64, index: u64) -> Batch {
+    const SEED: u64 = 0x5356_5300;
+    // Each line counts for two bins.
+    let lines = (directions.len() * SUB_DIRECTIONS / 2)
+        .min((rays / 2 / MIN_RAYS_PER_DIRECTION).max(directions.len() as u64 * 2) as usize);
+    Batch::new(scene.half_size(), lines, rays, SEED, index)
 }
 
 /// Where the observations of a ray go.
