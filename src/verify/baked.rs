@@ -40,15 +40,13 @@ impl Baked {
         let extension = Extension::deserialize(json).map_err(svs_runtime::DecodeError::from)?;
         let visibility = Visibility::decode(json, &DocumentTables::new(doc, &extension))?;
         let index = extension.trees.iter().find_map(|tree| tree.scene);
-        // A file without scenes is anchored at scene 0, which it does not have.
-        let has_scenes = doc.json.get("scenes").is_some();
-        let index = index.map(|index| index as usize).filter(|_| has_scenes);
+        let index = index.map(|index| index as usize);
         let scene = read_scene(doc, &ReadOptions { scene: index, ..ReadOptions::default() })?;
         let node_of: HashMap<usize, usize> =
             scene.nodes.iter().enumerate().map(|(place, node)| (node.node, place)).collect();
         let place = |placement: &Placement| match placement {
             Placement::Scene(at) => {
-                let objects = (Some(*at as usize) == scene.index).then_some(0..scene.objects.len() as u32);
+                let objects = (scene.index == Some(*at as usize)).then_some(0..scene.objects.len() as u32);
                 vec![Anchor { to_world: DAffine3::IDENTITY, objects }]
             }
             Placement::Anchors(nodes) => nodes

@@ -157,7 +157,11 @@ impl fmt::Display for VerifyReport {
             writeln!(f, "nothing to look at: no object with triangles is in a visibility tree")?;
         }
         for rows in self.groups.chunk_by(|a, b| a.group == b.group) {
-            write_group(f, rows)?;
+            // The sweep at single distances is for programs; people have it for all distances together.
+            let is_distance = rows[0].group != "outside" && rows[0].group != "inside";
+            let shown: Vec<&GroupReport> =
+                rows.iter().filter(|row| !is_distance || !row.method.starts_with("quality")).collect();
+            write_group(f, &shown)?;
         }
         Ok(())
     }
@@ -175,8 +179,8 @@ const HEADS: [(&str, &str); 8] = [
     ("", "/frustum"),
 ];
 
-fn write_group(f: &mut fmt::Formatter<'_>, rows: &[GroupReport]) -> fmt::Result {
-    let cells: Vec<[String; HEADS.len()]> = rows.iter().map(cells).collect();
+fn write_group(f: &mut fmt::Formatter<'_>, rows: &[&GroupReport]) -> fmt::Result {
+    let cells: Vec<[String; HEADS.len()]> = rows.iter().map(|row| cells(row)).collect();
     let names = rows.iter().map(|row| row.method.len()).max().unwrap_or(0);
     let widths: [usize; HEADS.len()] = std::array::from_fn(|column| {
         let (upper, lower) = HEADS[column];
@@ -191,7 +195,9 @@ fn write_group(f: &mut fmt::Formatter<'_>, rows: &[GroupReport]) -> fmt::Result 
         line.truncate(line.trim_end().len());
         line
     };
-    writeln!(f, "\n{} ({} cameras)", rows[0].group, rows[0].cameras)?;
+    if let Some(first) = rows.first() {
+        writeln!(f, "\n{} ({} cameras)", first.group, first.cameras)?;
+    }
     writeln!(f, "{}", line("", HEADS.map(|(upper, _)| upper)))?;
     writeln!(f, "{}", line("method", HEADS.map(|(_, lower)| lower)))?;
     for (row, cells) in rows.iter().zip(&cells) {
@@ -208,7 +214,7 @@ fn write_group(f: &mut fmt::Formatter<'_>, rows: &[GroupReport]) -> fmt::Result 
 fn cells(row: &GroupReport) -> [String; HEADS.len()] {
     let Distribution { mean, median, p95, worst } = row.missing_ppm;
     [
-        format!("{:.1}", row.missing_objects),
+        format!("{:.2}", row.missing_objects),
         ppm(mean),
         ppm(median),
         ppm(p95),
@@ -278,7 +284,7 @@ mod tests {
         let text = report().to_string();
         let row = text.lines().find(|l| l.contains("default")).unwrap();
         let cells: Vec<&str> = row.split_whitespace().collect();
-        assert_eq!(cells, ["default", "1.2", "12.5", "0", "40.0", "1234", "1.50", "3.00", "0.600"]);
+        assert_eq!(cells, ["default", "1.25", "12.5", "0", "40.0", "1234", "1.50", "3.00", "0.600"]);
         assert!(text.contains("inside (4 cameras)") && text.contains("quality 0.5: read with care"));
         // Every row of a group ends in the same column.
         let head = text.lines().find(|l| l.contains("/frustum")).unwrap();

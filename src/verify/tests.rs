@@ -302,6 +302,37 @@ fn a_baked_file_is_measured() {
 }
 
 #[test]
+fn trees_that_move_are_measured_where_they_rest() {
+    let mut doc = document(8);
+    // Everything hangs on an animated node that is turned, mirrored and scaled; the cube beside it stays.
+    let children: Vec<usize> = (0..10).filter(|&node| node != 1).collect();
+    let group = json!({"children": children, "translation": [0.0, 40.0, 0.0], "rotation": [0.0, 0.6, 0.0, 0.8], "scale": [-2.0, 2.0, 2.0]});
+    doc.json["nodes"].as_array_mut().unwrap().push(group);
+    let still = json!({"mesh": 0, "translation": [30.0, 8.0, 0.0], "scale": [3.0, 3.0, 3.0]});
+    doc.json["nodes"].as_array_mut().unwrap().push(still);
+    doc.json["scenes"][0]["nodes"] = json!([1, 10, 11]);
+    let key = json!({"bufferView": 0, "componentType": 5126, "count": 1, "type": "SCALAR", "min": [-1.0], "max": [-1.0]});
+    let value = json!({"bufferView": 0, "componentType": 5126, "count": 1, "type": "VEC3"});
+    doc.json["accessors"].as_array_mut().unwrap().extend([key, value]);
+    doc.json["animations"] = json!([{
+        "samplers": [{"input": 2, "output": 3}],
+        "channels": [{"sampler": 0, "target": {"node": 10, "path": "translation"}}],
+    }]);
+    let options =
+        BakeOptions { quality: Quality::Draft, verify: false, rays: Some(200_000), ..BakeOptions::default() };
+    bake::build(&mut doc, &options, &Silent).unwrap();
+    let trees = &doc.json["extensions"]["EXT_spherical_visibility"]["trees"];
+    assert_eq!((&trees[0]["scene"], &trees[1]["anchors"]), (&json!(0), &json!([10])));
+
+    let report = verify(&doc, &SMALL, &Silent).unwrap();
+    assert_eq!(report.objects, 11);
+    let outside = report.find("outside", "default").unwrap();
+    assert_eq!(outside.missing_ppm.worst, 0.0);
+    let frustum = report.find("outside", "frustum").unwrap();
+    assert!(outside.triangles.over_evs < 2.0 && frustum.triangles.over_evs > 2.5, "{report}");
+}
+
+#[test]
 fn reports_do_not_depend_on_threads() {
     let doc = baked_document();
     let with = |threads| {
