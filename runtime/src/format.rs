@@ -1,0 +1,119 @@
+//! The JSON of `EXT_spherical_visibility`, as the baker writes it and the decoder reads it.
+//!
+//! These types only mirror the text; nothing in them has been checked. The decoder does that.
+//! Unknown properties are ignored.
+
+use serde::{Deserialize, Serialize};
+
+/// Name of the extension, in `extensionsUsed` and in the document's `extensions`.
+pub const EXTENSION_NAME: &str = "EXT_spherical_visibility";
+
+/// Version this crate reads and writes. The decoder accepts every `1.x`.
+pub const VERSION: &str = "1.0";
+
+/// The extension object on the document's root.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Extension {
+    /// `major.minor` of the specification.
+    pub version: String,
+    /// Tool that baked it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub generator: Option<String>,
+    /// One entry per visibility tree.
+    pub trees: Vec<TreeJson>,
+    /// Application data.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extras: Option<serde_json::Value>,
+}
+
+/// One visibility tree.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct TreeJson {
+    /// glTF scene at whose root the tree is anchored: tree space is world space. Excludes `anchors`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scene: Option<u32>,
+    /// glTF nodes in whose local space the tree lives; all of them share its data. Excludes `scene`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub anchors: Vec<u32>,
+    /// Name of the direction set, one of [`crate::directions::DIRECTION_SETS`].
+    pub directions: String,
+    /// Objects in the tree.
+    pub object_count: u32,
+    /// Bits per visible level: 1, 2, 4 or 8.
+    pub level_bits: u8,
+    /// Area in m² that importance code 0 stands for.
+    pub importance_area: f64,
+    /// Accessors of the tables.
+    #[serde(default)]
+    pub tables: Tables,
+    /// Objects that stand for an anchor of another tree.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub nested: Vec<NestedJson>,
+    /// Settings the baker found best.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recommended: Option<RecommendedJson>,
+    /// What the tree was baked from, to detect that the scene has changed since.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fingerprint: Option<FingerprintJson>,
+}
+
+/// Accessor indices by table. The node tables and [`Self::level_row`] are absent if the tree has no nodes, and
+/// [`Self::importance`] if it would be empty (an accessor cannot have no elements).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tables {
+    /// VEC4 FLOAT: sphere centre x, y, z and radius per node, in metres of tree space.
+    #[serde(rename = "NODE_SPHERE", default, skip_serializing_if = "Option::is_none")]
+    pub node_sphere: Option<u32>,
+    /// SCALAR unsigned integer: nodes in the subtree, the node itself included.
+    #[serde(rename = "NODE_SUBTREE", default, skip_serializing_if = "Option::is_none")]
+    pub node_subtree: Option<u32>,
+    /// SCALAR unsigned integer: first object (place in tree order) below the node.
+    #[serde(rename = "NODE_FIRST_OBJECT", default, skip_serializing_if = "Option::is_none")]
+    pub node_first_object: Option<u32>,
+    /// SCALAR unsigned integer: objects below the node, contiguous in tree order.
+    #[serde(rename = "NODE_OBJECT_COUNT", default, skip_serializing_if = "Option::is_none")]
+    pub node_object_count: Option<u32>,
+    /// SCALAR unsigned integer: for each place in tree order, the index of the object among the mesh-bearing
+    /// nodes and instances below the anchor in depth-first document order. Absent: the same order.
+    #[serde(rename = "OBJECT_ORDER", default, skip_serializing_if = "Option::is_none")]
+    pub object_order: Option<u32>,
+    /// SCALAR unsigned byte: distinct rows of packed visible levels, see [`crate::encode::pack_levels`].
+    #[serde(rename = "LEVEL_ROW", default, skip_serializing_if = "Option::is_none")]
+    pub level_row: Option<u32>,
+    /// SCALAR unsigned integer: row of each object. Absent: row `k` belongs to object `k`.
+    #[serde(rename = "LEVEL_ROW_INDEX", default, skip_serializing_if = "Option::is_none")]
+    pub level_row_index: Option<u32>,
+    /// SCALAR unsigned byte: for each object in tree order one code per height, from 1 to the highest level in
+    /// its row, see [`crate::encode::importance_code`].
+    #[serde(rename = "IMPORTANCE", default, skip_serializing_if = "Option::is_none")]
+    pub importance: Option<u32>,
+}
+
+/// An object of this tree that stands for a whole other tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NestedJson {
+    /// Place in this tree's order.
+    pub object: u32,
+    /// Index of the other tree.
+    pub tree: u32,
+    /// Index into the other tree's anchors.
+    pub anchor: u32,
+}
+
+/// Settings the baker found best for a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RecommendedJson {
+    /// Quality, 0 to 1.
+    pub quality: f64,
+}
+
+/// What a tree was baked from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FingerprintJson {
+    /// Sum of the objects' triangle counts.
+    pub triangles: u64,
+    /// Sixteen hexadecimal digits of [`crate::encode::fingerprint`].
+    pub hash: String,
+}
