@@ -71,7 +71,7 @@ pub(crate) struct Build {
     pub(crate) max_missing: Option<f64>,
     /// Set of directions that visibility is stored for
     #[arg(long, value_name = "NAME", default_value = "icosahedron-1",
-          value_parser = clap::builder::PossibleValuesParser::new(DIRECTION_SETS.iter().map(|set| set.name)))]
+          value_parser = clap::builder::PossibleValuesParser::new(DIRECTION_SETS))]
     pub(crate) directions: String,
     /// Cast this many rays instead of stopping by estimated error
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]

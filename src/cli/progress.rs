@@ -4,7 +4,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::Duration;
-use svs::bake::progress::Progress;
+use svs::bake::Progress;
 
 /// One bar at a time: the stage at work, with the time left where its end is known.
 #[derive(Debug)]
