@@ -1,0 +1,39 @@
+//! The lossless glTF 2.0 container layer.
+//!
+//! The JSON stays a [`serde_json::Value`] that is patched, never rebuilt from types: unknown extensions, extras,
+//! unused objects, key order and the text of numbers survive. Buffers stay bytes. What this tool adds to a file is
+//! put in by [`payload::attach`] and taken out again, exactly, by [`payload::strip`].
+//!
+//! What does *not* survive: white space of the JSON beyond its indentation, escapes that JSON does not need, the
+//! spelling of exponents (`1E5` becomes `1e+5`), the 0 to 3 padding bytes of GLB chunks, and bytes after the length that a GLB's header declares.
+//!
+//! Every input is hostile: lengths are checked before anything is allocated, offsets before anything is read, and
+//! URIs may not leave the folder of the file that names them.
+
+mod accessor;
+mod buffers;
+mod convert;
+mod decode;
+mod document;
+mod error;
+mod glb;
+mod json;
+mod kinds;
+pub mod payload;
+mod resources;
+mod uri;
+mod write;
+
+#[cfg(test)]
+mod property_tests;
+#[cfg(test)]
+mod scene_tests;
+#[cfg(test)]
+mod write_tests;
+
+pub use accessor::Accessor;
+pub use buffers::BufferStorage;
+pub use document::{Container, Document};
+pub use error::{AccessorError, AttachError, ReadError, UriError, WriteError};
+pub use kinds::{AccessorKind, ComponentType};
+pub use write::WriteSummary;

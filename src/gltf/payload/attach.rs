@@ -1,0 +1,217 @@
+//! Adding the payload.
+
+use super::{CONTAINERS, EXTENSION, Table};
+use crate::gltf::buffers::BufferStorage;
+use crate::gltf::document::{Container, Document};
+use crate::gltf::error::AttachError;
+use crate::gltf::kinds::{AccessorKind, ComponentType};
+use crate::gltf::{json, uri};
+use serde_json::{Map, Number, Value, json};
+
+/// Adds `tables` and the root extension to the document; returns the accessors' indices.
+///
+/// Table `i` becomes accessor `document.next_accessor() + i`, so `extension` can be built before the call. [`super::strip`]
+/// finds the tables through the integers in `trees[].tables` of the extension: name every table there.
+///
+/// # Errors
+/// [`AttachError`] if there is a bake already, or a table or the JSON is not as it must be. The document is unchanged
+/// then.
+pub fn attach(
+    document: &mut Document,
+    extension: Value,
+    tables: &[Table],
+) -> Result<Vec<usize>, AttachError> {
+    check_root(document)?;
+    let Value::Object(mut extension) = extension else {
+        return Err(AttachError::Malformed {
+            pointer: format!("/extensions/{EXTENSION}"),
+            expected: "an object",
+        });
+    };
+    if extension.get("extras").is_some_and(|extras| !extras.is_object()) {
+        let pointer = format!("/extensions/{EXTENSION}/extras");
+        return Err(AttachError::Malformed { pointer, expected: "an object" });
+    }
+    let bounds =
+        tables.iter().enumerate().map(|(i, table)| check_table(i, table)).collect::<Result<Vec<_>, _>>()?;
+
+    let mut before = Map::new();
+    record_empty_containers(&document.json, tables.is_empty(), &mut before);
+    let first = document.next_accessor();
+    if !tables.is_empty() {
+        let (bytes, offsets) = pack(tables);
+        let (buffer, start) = append_bytes(document, &bytes, &mut before);
+        let view = json::array(&document.json, "bufferViews").len();
+        let new = json!({"buffer": buffer, "byteOffset": start, "byteLength": bytes.len()});
+        push(&mut document.json, "bufferViews", new);
+        for ((table, offset), bounds) in tables.iter().zip(offsets).zip(bounds) {
+            let accessor = accessor(view, offset, table, bounds);
+            push(&mut document.json, "accessors", accessor);
+        }
+    }
+    if json::array(&document.json, "extensionsUsed").iter().any(|name| name == EXTENSION) {
+        before.insert("declared".into(), true.into());
+    } else {
+        push(&mut document.json, "extensionsUsed", EXTENSION.into());
+    }
+    if !before.is_empty() {
+        let extras = extension.entry("extras").or_insert_with(|| json!({}));
+        extras["before"] = Value::Object(before);
+    }
+    document.json["extensions"][EXTENSION] = Value::Object(extension);
+    Ok((first..first + tables.len()).collect())
+}
+
+fn check_root(document: &Document) -> Result<(), AttachError> {
+    let malformed =
+        |pointer: &str, expected| AttachError::Malformed { pointer: pointer.to_owned(), expected };
+    let root = document.json.as_object().ok_or_else(|| malformed("", "an object"))?;
+    for key in CONTAINERS {
+        match root.get(key) {
+            Some(Value::Object(all)) if key == "extensions" => {
+                if all.contains_key(EXTENSION) {
+                    return Err(AttachError::AlreadyAttached);
+                }
+            }
+            Some(value) if key == "extensions" || !value.is_array() => {
+                let expected = if key == "extensions" { "an object" } else { "an array" };
+                return Err(malformed(&format!("/{key}"), expected));
+            }
+            _ => {}
+        }
+    }
+    if json::array(&document.json, "buffers").len() != document.buffers.len() {
+        return Err(malformed("/buffers", "one entry for each buffer in memory"));
+    }
+    if document.json.pointer("/buffers/0").is_some_and(|buffer| !buffer.is_object()) {
+        return Err(malformed("/buffers/0", "an object"));
+    }
+    Ok(())
+}
+
+type Bounds = Option<(Vec<Value>, Vec<Value>)>;
+
+/// Checks one table and converts its bounds to JSON.
+fn check_table(index: usize, table: &Table) -> Result<Bounds, AttachError> {
+    let problem = |problem: String| AttachError::Table { table: index, problem };
+    let component = ComponentType::from_code(table.component_type as usize)
+        .ok_or_else(|| problem(format!("component type {} does not exist", table.component_type)))?;
+    let kind = AccessorKind::from_name(table.kind)
+        .filter(|kind| kind.shape().0 == 1)
+        .ok_or_else(|| problem(format!("kind {} is not SCALAR or a vector", table.kind)))?;
+    if table.count == 0 {
+        return Err(problem("it is empty, and glTF has no empty accessors".to_owned()));
+    }
+    let needed = table.count.checked_mul(kind.element_size(component));
+    if needed != Some(table.bytes.len()) {
+        return Err(problem(format!("{} elements do not take {} bytes", table.count, table.bytes.len())));
+    }
+    let Some((min, max)) = &table.min_max else { return Ok(None) };
+    let convert = |values: &[f32]| {
+        if values.len() != kind.components() {
+            return Err(problem(format!("{} bounds for {} components", values.len(), kind.components())));
+        }
+        let number = |&value: &f32| {
+            // Integers without a fraction; floats with all digits of their double, which is what validators compare.
+            let number = match component {
+                ComponentType::F32 => Number::from_f64(f64::from(value)),
+                _ => Some(Number::from(value as i64)),
+            };
+            number.map(Value::Number).ok_or_else(|| problem("a bound is not finite".to_owned()))
+        };
+        values.iter().map(number).collect::<Result<Vec<_>, _>>()
+    };
+    Ok(Some((convert(min)?, convert(max)?)))
+}
+
+/// All tables in one block, each on a multiple of 4 bytes; and where each begins.
+fn pack(tables: &[Table]) -> (Vec<u8>, Vec<usize>) {
+    let mut bytes = Vec::new();
+    let offsets = tables
+        .iter()
+        .map(|table| {
+            bytes.resize(bytes.len().next_multiple_of(4), 0);
+            let offset = bytes.len();
+            bytes.extend_from_slice(table.bytes);
+            offset
+        })
+        .collect();
+    (bytes, offsets)
+}
+
+/// Stores the payload; returns the buffer and the payload's offset in it.
+///
+/// The offset is a multiple of 4: glTF wants both `accessor.byteOffset` and its sum with `bufferView.byteOffset`
+/// aligned, so the alignment cannot be made up for in the accessor. It is 0 only in a buffer that is new: `strip`
+/// relies on it.
+fn append_bytes(document: &mut Document, bytes: &[u8], before: &mut Map<String, Value>) -> (usize, usize) {
+    let glb = document.container() == Container::Glb;
+    if glb && document.storage.first() == Some(&BufferStorage::Bin) && document.bin_tail.is_empty() {
+        let buffer = &mut document.buffers[0];
+        let old = buffer.len();
+        if old > 0 {
+            let start = old.next_multiple_of(4);
+            buffer.resize(start, 0);
+            buffer.extend_from_slice(bytes);
+            let length = &mut document.json["buffers"][0]["byteLength"];
+            let stood = std::mem::replace(length, buffer.len().into());
+            if stood != Value::from(start) {
+                before.insert("byteLength".into(), stood);
+            }
+            return (0, start);
+        }
+    }
+    let storage = if glb && document.buffers.is_empty() && document.loose_bin.is_none() {
+        BufferStorage::Bin
+    } else if !glb && document.storage.iter().any(|storage| is_file(storage)) {
+        BufferStorage::Beside(".svs.bin")
+    } else {
+        BufferStorage::Embedded
+    };
+    let mut buffer = json!({"byteLength": bytes.len()});
+    if storage == BufferStorage::Embedded {
+        buffer["uri"] = uri::encode_data(bytes).into();
+    }
+    push(&mut document.json, "buffers", buffer);
+    document.buffers.push(bytes.to_vec());
+    document.storage.push(storage);
+    (document.buffers.len() - 1, 0)
+}
+
+fn is_file(storage: &BufferStorage) -> bool {
+    matches!(storage, BufferStorage::External | BufferStorage::Beside(_))
+}
+
+fn accessor(view: usize, offset: usize, table: &Table, bounds: Bounds) -> Value {
+    let mut accessor = json!({"bufferView": view, "byteOffset": offset, "componentType": table.component_type,
+        "count": table.count, "type": table.kind});
+    if let Some((min, max)) = bounds {
+        accessor["min"] = Value::Array(min);
+        accessor["max"] = Value::Array(max);
+    }
+    accessor
+}
+
+/// Remembers containers that exist but are empty: stripping would take them for its own.
+fn record_empty_containers(root: &Value, no_tables: bool, before: &mut Map<String, Value>) {
+    let is_empty = |key: &str| match root.get(key) {
+        Some(Value::Array(items)) => items.is_empty(),
+        Some(Value::Object(items)) => items.is_empty(),
+        _ => false,
+    };
+    // Without tables only the last two containers are touched.
+    let touched = if no_tables { &CONTAINERS[3..] } else { &CONTAINERS[..] };
+    let empty: Vec<Value> = touched.iter().filter(|key| is_empty(key)).map(|&key| key.into()).collect();
+    if !empty.is_empty() {
+        before.insert("empty".into(), empty.into());
+    }
+}
+
+/// Appends to a root array, which is created if need be.
+fn push(root: &mut Value, key: &str, item: Value) {
+    match &mut root[key] {
+        Value::Array(items) => items.push(item),
+        // `check_root` has seen to it that it is an array if it exists; indexing made it null otherwise.
+        missing => *missing = Value::Array(vec![item]),
+    }
+}
