@@ -27,7 +27,9 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words.as_slice() {
         ["test"] => test::test(),
-        ["bench", "scenes", rest @ ..] => bench::Options::parse(rest).and_then(|options| bench::scenes(&options)),
+        ["bench", "scenes", rest @ ..] => {
+            bench::Options::parse(rest).and_then(|options| bench::scenes(&options))
+        }
         [] | ["help" | "-h" | "--help", ..] => {
             print!("{USAGE}");
             Ok(())

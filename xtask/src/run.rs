@@ -24,13 +24,20 @@ pub(crate) fn cargo() -> Command {
 
 /// Whether a program starts and ends well; its output is thrown away.
 pub(crate) fn succeeds(command: &mut Command) -> bool {
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|s| s.success())
+    command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .is_ok_and(|s| s.success())
 }
 
 /// Runs a step that must succeed; its output goes where ours goes.
 pub(crate) fn step(name: &str, command: &mut Command) -> Result<(), String> {
     eprintln!("== {name}");
-    let status = command.status().map_err(|error| format!("{name}: {:?} does not start: {error}", command.get_program()))?;
+    let status = command
+        .status()
+        .map_err(|error| format!("{name}: {:?} does not start: {error}", command.get_program()))?;
     if status.success() { Ok(()) } else { Err(format!("{name} failed ({status})")) }
 }
 
@@ -42,7 +49,11 @@ pub(crate) fn json(command: &mut Command) -> Result<serde_json::Value, String> {
         .output()
         .map_err(|error| format!("{:?} does not start: {error}", command.get_program()))?;
     if !output.status.success() {
-        return Err(format!("{command:?} failed ({})\n{}", output.status, String::from_utf8_lossy(&output.stdout)));
+        return Err(format!(
+            "{command:?} failed ({})\n{}",
+            output.status,
+            String::from_utf8_lossy(&output.stdout)
+        ));
     }
     serde_json::from_slice(&output.stdout).map_err(|error| format!("{command:?} printed no JSON: {error}"))
 }

@@ -17,5 +17,8 @@ pub(crate) fn test() -> Result<(), String> {
     )?;
     khronos::install()?;
     // Last, so that the output ends with the test runners' own summaries. The Khronos validator runs in here.
-    run::step("tests", run::cargo().args(["test", "--release", "--workspace"]).env("SVS_REQUIRE_KHRONOS", "1"))
+    run::step(
+        "tests",
+        run::cargo().args(["test", "--release", "--workspace"]).env("SVS_REQUIRE_KHRONOS", "1"),
+    )
 }
