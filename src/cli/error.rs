@@ -22,7 +22,10 @@ pub(crate) enum Failure {
 impl Failure {
     /// "cannot read plant.glb: what is wrong: what lies behind it".
     pub(crate) fn doing(what: &str, path: &Path, error: &dyn Error) -> Self {
-        Self::Input(format!("cannot {what} {}: {}", path.display(), chain(error)))
+        let begin = format!("cannot {what} {}: ", path.display());
+        let message = chain(error);
+        // Errors of files begin like this themselves.
+        Self::Input(if message.starts_with(&begin) { message } else { begin + &message })
     }
 
     /// Prints the message, if there is one, and gives the exit code.

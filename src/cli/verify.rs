@@ -2,12 +2,11 @@
 
 use super::args::{Common, Verify};
 use super::error::Failure;
-use super::output::{self, number};
 use super::progress::Bars;
-use super::{file, memory};
+use super::{file, memory, output};
 use serde_json::Value;
 use std::time::Instant;
-use svs::verify::{VerifyOptions, VerifyReport};
+use svs::verify::VerifyOptions;
 
 pub(crate) fn run(args: &Verify, common: &Common) -> Result<(), Failure> {
     let start = Instant::now();
@@ -30,30 +29,5 @@ pub(crate) fn run(args: &Verify, common: &Common) -> Result<(), Failure> {
         all.insert("wall_seconds".to_owned(), start.elapsed().as_secs_f64().into());
         all.insert("peak_memory_bytes".to_owned(), memory::peak().into());
     }
-    output::print(common, &json, &to_text(&report, args))
-}
-
-/// One table per group of cameras: a query a row.
-fn to_text(report: &VerifyReport, args: &Verify) -> String {
-    let mut text = format!("{}\n", args.file.display());
-    let mut groups: Vec<&str> = Vec::new();
-    for group in &report.groups {
-        if !groups.contains(&group.group.as_str()) {
-            groups.push(&group.group);
-        }
-    }
-    for name in groups {
-        let head = ["query", "ppm mean", "median", "p95", "worst", "x EVS", "x frustum"];
-        let mut rows = vec![head.map(str::to_owned).to_vec()];
-        for group in report.groups.iter().filter(|group| group.group == name) {
-            let (missing, drawn) = (&group.missing_ppm, &group.triangles);
-            let numbers =
-                [missing.mean, missing.median, missing.p95, missing.worst, drawn.over_evs, drawn.over_frustum];
-            let mut row = vec![group.method.clone()];
-            row.extend(numbers.map(number));
-            rows.push(row);
-        }
-        text += &format!("\n{name}: missing pixels per million, triangles drawn\n{}", output::table(&rows));
-    }
-    text
+    output::print(common, &json, &format!("{}: {report}", args.file.display()))
 }

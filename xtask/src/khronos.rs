@@ -39,7 +39,7 @@ pub(crate) fn installed() -> bool {
 
 /// Errors and warnings the validator finds in a file.
 pub(crate) fn validate(file: &Path) -> Result<(u64, u64), String> {
-    let script = run::root().join("tests/khronos_validator.mjs");
+    let script = run::root().join("tests/cli/khronos_validator.mjs");
     let report = run::json(Command::new("node").arg(script).arg(folder()).arg(file))?;
     let count = |name: &str| report[0][name].as_u64().ok_or_else(|| format!("no `{name}` in {report}"));
     Ok((count("errors")?, count("warnings")?))
