@@ -1,5 +1,28 @@
 //! What is baked: the objects of one glTF scene, their geometry, and the node tree above them.
 
+mod accessors;
+mod alpha_mask;
+mod animation;
+mod bounds;
+mod error;
+mod instancing;
+mod json;
+mod materials;
+mod meshes;
+mod nodes;
+mod notes;
+mod primitives;
+pub mod read;
+mod surfaces;
+#[cfg(test)]
+mod tests;
+mod transform;
+mod triangulate;
+mod vertices;
+
+pub use error::SceneError;
+pub use read::{MaskMode, ReadOptions, read_scene};
+
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
@@ -29,7 +52,8 @@ pub struct Object {
     pub mesh: u32,
     /// Index into [`Scene::nodes`].
     pub scene_node: u32,
-    /// Mesh space to world space, metres.
+    /// Mesh space to world space, metres. The identity where the file's transform is not finite
+    /// ([`Role::Excluded`] then).
     pub to_world: DAffine3,
     /// How the object takes part in the bake.
     pub role: Role,
@@ -51,7 +75,7 @@ pub struct SceneNode {
     pub node: usize,
     /// Index into [`Scene::nodes`]; `None` for a root of the scene.
     pub parent: Option<u32>,
-    /// Node space to world space.
+    /// Node space to world space; the identity where the file's transform is not finite.
     pub to_world: DAffine3,
     /// An animation moves this very node: what is below it is a tree of its own.
     pub moving: bool,

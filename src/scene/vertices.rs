@@ -1,0 +1,121 @@
+//! Decoded positions, and the vertices of one mesh picked from them.
+
+use super::SceneError;
+use super::accessors::open;
+use super::bounds::Box3;
+use crate::gltf::{Accessor, ComponentType, Document};
+use glam::{DVec3, Vec2};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// A POSITION accessor's data.
+#[derive(Debug)]
+pub(super) struct Positions {
+    /// May hold non-finite points.
+    pub(super) points: Vec<DVec3>,
+    /// As a loader sees it: the accessor's `min` and `max` if they hold the data, else the box of the finite
+    /// points.
+    pub(super) bounds: Box3,
+    /// `bounds` are those the file states, or there is nothing to bound.
+    pub(super) stated_bounds_fit: bool,
+}
+
+impl Positions {
+    pub(super) fn read(doc: &Document, accessor: usize, pointer: &str) -> Result<Positions, SceneError> {
+        let accessor = open(doc, accessor, pointer)?;
+        let points = accessor
+            .read_vec3_f64()
+            .map_err(|source| SceneError::Accessor { pointer: pointer.to_owned(), source })?;
+        let data = Box3::of(points.iter().copied());
+        let stated = accessor.min_max().and_then(|(min, max)| {
+            let vector = |v: Vec<f64>| {
+                let stored = <[f64; 3]>::try_from(v).ok()?;
+                Some(DVec3::from(stored.map(|value| fraction(&accessor, value))))
+            };
+            Some(Box3 { min: vector(min)?, max: vector(max)? })
+        });
+        Ok(match stated {
+            _ if data.is_empty() => Positions { points, bounds: data, stated_bounds_fit: true },
+            Some(stated) if stated.may_stand_for(&data) => {
+                Positions { points, bounds: stated, stated_bounds_fit: true }
+            }
+            _ => Positions { points, bounds: data, stated_bounds_fit: false },
+        })
+    }
+}
+
+/// What a stored value stands for: `min` and `max` of normalized integers are stored values (glTF 2.0, 3.6.2.5).
+fn fraction(accessor: &Accessor<'_>, stored: f64) -> f64 {
+    let max = match accessor.component_type {
+        _ if !accessor.normalized => return stored,
+        ComponentType::F32 => return stored,
+        ComponentType::I8 => 127.0,
+        ComponentType::U8 => 255.0,
+        ComponentType::I16 => 32_767.0,
+        ComponentType::U16 => 65_535.0,
+        ComponentType::U32 => f64::from(u32::MAX),
+    };
+    (stored / max).max(-1.0)
+}
+
+/// The vertices of one mesh that come from one [`Positions`]: each gets its place in the mesh when a triangle
+/// first uses it.
+#[derive(Debug)]
+pub(super) struct VertexSet {
+    data: Arc<Positions>,
+    uvs: Option<Vec<Vec2>>,
+    places: Places,
+}
+
+/// Places in the mesh. Files that put all vertices into one accessor share it between many meshes: a table of
+/// its full length for each would take time and memory quadratic in the file.
+#[derive(Debug)]
+enum Places {
+    Table(Vec<u32>),
+    Map(HashMap<u32, u32>),
+}
+
+const NO_PLACE: u32 = u32::MAX;
+
+/// Accessors up to this length, or in use by one mesh only, get a table.
+const SMALL: usize = 1 << 12;
+
+impl VertexSet {
+    pub(super) fn new(data: Arc<Positions>, uvs: Option<Vec<Vec2>>) -> VertexSet {
+        let is_shared = Arc::strong_count(&data) > 1;
+        let places = if is_shared && data.points.len() > SMALL {
+            Places::Map(HashMap::new())
+        } else {
+            Places::Table(vec![NO_PLACE; data.points.len()])
+        };
+        VertexSet { data, uvs, places }
+    }
+
+    pub(super) fn vertex_count(&self) -> usize {
+        self.data.points.len()
+    }
+
+    pub(super) fn has_uvs(&self) -> bool {
+        self.uvs.is_some()
+    }
+
+    /// Position of a vertex (in range).
+    pub(super) fn point(&self, vertex: u32) -> DVec3 {
+        self.data.points[vertex as usize]
+    }
+
+    /// The place of a vertex (in range) in the mesh's `positions` and `uvs`, appended on first use; `None` if
+    /// the mesh is full.
+    pub(super) fn place(&mut self, vertex: u32, positions: &mut Vec<DVec3>, uvs: &mut Vec<Vec2>) -> Option<u32> {
+        let slot = match &mut self.places {
+            Places::Table(table) => &mut table[vertex as usize],
+            Places::Map(map) => map.entry(vertex).or_insert(NO_PLACE),
+        };
+        if *slot == NO_PLACE {
+            *slot = u32::try_from(positions.len()).ok().filter(|&place| place != NO_PLACE)?;
+            positions.push(self.data.points[vertex as usize]);
+            uvs.push(self.uvs.as_ref().map_or(Vec2::ZERO, |uvs| uvs[vertex as usize]));
+        }
+        Some(*slot)
+    }
+}
