@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use svs::generate::SampleKind;
 use svs_runtime::directions::DIRECTION_SETS;
 
 /// Bakes direction-dependent visibility into glTF scenes (EXT_spherical_visibility), so that a viewer can skip
@@ -142,10 +143,9 @@ Examples:
   svs sample plant -o plant.glb
   svs sample city --scale 4 --seed 7 -o city.glb")]
 pub(crate) struct Sample {
-    /// What to generate: a plant of nested sub-assemblies, a city with interiors, the dissertation's cubes,
-    /// a chain of boxes, or shells in shells
+    /// What to generate
     #[arg(value_enum, value_name = "KIND")]
-    pub(crate) kind: SampleName,
+    pub(crate) kind: SampleKind,
     /// File to write: .glb or .gltf
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
@@ -153,7 +153,7 @@ pub(crate) struct Sample {
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
     pub(crate) scale: f64,
     /// Start of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 7)]
     pub(crate) seed: u64,
 }
 
@@ -192,15 +192,6 @@ pub(crate) enum SpheresName {
     Simple,
     #[default]
     Tight,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SampleName {
-    Plant,
-    City,
-    Cubes,
-    Boxes,
-    Shells,
 }
 
 /// A finite number above zero.

@@ -12,8 +12,7 @@ use std::path::Path;
 use svs::gltf::Document;
 use svs::scene::{ReadOptions, read_scene};
 use svs_runtime::format::EXTENSION_NAME;
-use svs_runtime::tree::{Placement, Tree};
-use svs_runtime::Visibility;
+use svs_runtime::{Placement, Tree, Visibility};
 
 pub(crate) fn run(args: &Info, common: &Common) -> Result<(), Failure> {
     let document = file::read(&args.file)?;
@@ -75,8 +74,8 @@ impl FileInfo {
         info.generator = text("generator");
         let weights = tree_weights(&scene, visibility.trees());
         for (index, (tree, weights)) in visibility.trees().iter().zip(&weights).enumerate() {
-            let tables = extension.pointer(&format!("/trees/{index}/tables"));
-            info.trees.push(TreeInfo::of(tree, table_bytes(document, tables), weights));
+            let json = extension.pointer(&format!("/trees/{index}")).unwrap_or(&Value::Null);
+            info.trees.push(TreeInfo::of(document, tree, json, weights));
         }
         Ok(info)
     }
@@ -120,7 +119,7 @@ impl FileInfo {
 }
 
 impl TreeInfo {
-    fn of(tree: &Tree, tables: Vec<(String, u64)>, triangles: &[u64]) -> Self {
+    fn of(document: &Document, tree: &Tree, json: &Value, triangles: &[u64]) -> Self {
         let nodes: Vec<Node> = tree
             .nodes()
             .iter()
@@ -147,9 +146,9 @@ impl TreeInfo {
             nested: tree.nested().len() as u64,
             directions: set.name(),
             direction_count: set.len() as u64,
-            level_bits: u64::from(tree.level_bits()),
+            level_bits: json.get("levelBits").and_then(Value::as_u64).unwrap_or(0),
             quality: tree.recommended_quality().map(f64::from),
-            tables,
+            tables: table_bytes(document, json),
             levels: level_share::by_depth(
                 &nodes,
                 set.len(),
@@ -221,7 +220,7 @@ impl TreeInfo {
 }
 
 /// Bytes of each table of a tree, by name.
-fn table_bytes(document: &Document, tables: Option<&Value>) -> Vec<(String, u64)> {
+fn table_bytes(document: &Document, tree: &Value) -> Vec<(String, u64)> {
     let size = |index: &Value| -> Option<u64> {
         let accessor = document.json.get("accessors")?.get(index.as_u64()? as usize)?;
         let component = match accessor.get("componentType")?.as_u64()? {
@@ -232,5 +231,6 @@ fn table_bytes(document: &Document, tables: Option<&Value>) -> Vec<(String, u64)
         let components = if accessor.get("type")?.as_str()? == "VEC4" { 4 } else { 1 };
         Some(accessor.get("count")?.as_u64()? * component * components)
     };
-    tables.and_then(Value::as_object).into_iter().flatten().map(|(name, index)| (name.clone(), size(index).unwrap_or(0))).collect()
+    let tables = tree.get("tables").and_then(Value::as_object);
+    tables.into_iter().flatten().map(|(name, index)| (name.clone(), size(index).unwrap_or(0))).collect()
 }

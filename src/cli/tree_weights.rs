@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use svs::scene::Scene;
-use svs_runtime::tree::{Placement, Tree};
+use svs_runtime::{Placement, Tree};
 
 /// Triangles drawn for a mesh.
 pub(crate) fn triangles_of(scene: &Scene, mesh: u32) -> u64 {
