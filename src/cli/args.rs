@@ -8,14 +8,20 @@ use svs_runtime::directions::DIRECTION_SETS;
 /// Bakes direction-dependent visibility into glTF scenes (EXT_spherical_visibility), so that a viewer can skip
 /// what cannot be seen without asking the GPU.
 #[derive(Debug, Parser)]
-#[command(name = "svs", version, propagate_version = true, max_term_width = 110, after_help = "\
+#[command(
+    name = "svs",
+    version,
+    propagate_version = true,
+    max_term_width = 110,
+    after_help = "\
 Examples:
   svs build plant.glb -o plant.svs.glb      bake with standard quality
   svs info plant.svs.glb                    what the file holds
   svs verify plant.svs.glb                  what it is worth, on cameras the bake has not seen
   svs help build                            all options of a command
 
-Exit codes: 0 done; 1 bad input, failed validation or a file that cannot be written; 2 wrong usage.")]
+Exit codes: 0 done; 1 bad input, failed validation or a file that cannot be written; 2 wrong usage."
+)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,

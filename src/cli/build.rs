@@ -64,10 +64,18 @@ fn to_text(report: &BakeReport, output: &Path, seconds: f64) -> String {
     if !drawn.is_empty() {
         rows.push(("triangles", format!("{} of those in the view frustum are drawn", drawn.join(", "))));
     }
-    rows.push(("objects", format!("{}, {}", count(report.objects as u64), counted(report.triangles, "triangle"))));
+    rows.push((
+        "objects",
+        format!("{}, {}", count(report.objects as u64), counted(report.triangles, "triangle")),
+    ));
     rows.push((
         "spheres",
-        format!("{} kept of {}, in {}", count(kept), count(before), counted(report.trees.len() as u64, "tree")),
+        format!(
+            "{} kept of {}, in {}",
+            count(kept),
+            count(before),
+            counted(report.trees.len() as u64, "tree")
+        ),
     ));
     rows.push((
         "added",
@@ -79,7 +87,8 @@ fn to_text(report: &BakeReport, output: &Path, seconds: f64) -> String {
         ),
     ));
     rows.push(("rays", count(report.rays)));
-    let mut text = format!("{} written in {} s\n\n{}", output.display(), number(seconds), output::fields(&rows));
+    let mut text =
+        format!("{} written in {} s\n\n{}", output.display(), number(seconds), output::fields(&rows));
     if !report.notes.is_empty() {
         text += "\nnotes\n";
         for note in &report.notes {

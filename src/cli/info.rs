@@ -2,16 +2,18 @@
 
 use super::args::{Common, Info};
 use super::error::Failure;
+use super::file;
 use super::level_share::{self, LevelShare, Node};
 use super::output::{self, bytes, count, counted, number, percent, ratio};
 use super::tree_weights::{tree_weights, triangles_of};
-use super::file;
+use serde::Deserialize;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
 use svs::gltf::Document;
 use svs::scene::{ReadOptions, read_scene};
-use svs_runtime::format::EXTENSION_NAME;
+use svs::verify::DocumentTables;
+use svs_runtime::format::{EXTENSION_NAME, Extension};
 use svs_runtime::{Placement, Tree, Visibility};
 
 pub(crate) fn run(args: &Info, common: &Common) -> Result<(), Failure> {
@@ -62,13 +64,16 @@ impl FileInfo {
         let Some(extension) = document.json.get("extensions").and_then(|all| all.get(EXTENSION_NAME)) else {
             return Ok(info);
         };
-        let visibility = Visibility::decode(extension, document).map_err(|error| {
+        let broken = |error: &dyn std::fmt::Display| {
             Failure::Input(format!(
                 "the baked visibility of {0} is broken: {error}; `svs validate {0}` lists what is wrong, \
                  `svs build` replaces it",
                 path.display()
             ))
-        })?;
+        };
+        let tables = Extension::deserialize(extension).map_err(|error| broken(&error))?;
+        let tables = DocumentTables::new(document, &tables);
+        let visibility = Visibility::decode(extension, &tables).map_err(|error| broken(&error))?;
         let text = |key: &str| extension.get(key).and_then(Value::as_str).unwrap_or_default().to_owned();
         info.version = text("version");
         info.generator = text("generator");
@@ -207,7 +212,12 @@ impl TreeInfo {
         let row = |cells: [String; 4]| cells.to_vec();
         let mut rows = vec![row(["depth", "spheres", "triangles", "hidden"].map(str::to_owned))];
         for (depth, level) in self.levels.iter().enumerate() {
-            rows.push(row([depth.to_string(), count(level.spheres), count(level.triangles), percent(level.culled)]));
+            rows.push(row([
+                depth.to_string(),
+                count(level.spheres),
+                count(level.triangles),
+                percent(level.culled),
+            ]));
         }
         if !self.levels.is_empty() {
             text += &output::table(&rows);

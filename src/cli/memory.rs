@@ -17,7 +17,10 @@ mod tests {
 
     #[test]
     fn reads_the_high_water_mark() {
-        assert_eq!(peak_of("Name:\tsvs\nVmPeak:\t  99 kB\nVmHWM:\t    2048 kB\nVmRSS:\t 7 kB\n"), Some(2048 * 1024));
+        assert_eq!(
+            peak_of("Name:\tsvs\nVmPeak:\t  99 kB\nVmHWM:\t    2048 kB\nVmRSS:\t 7 kB\n"),
+            Some(2048 * 1024)
+        );
         assert_eq!(peak_of("Name:\tsvs\n"), None);
         assert_eq!(peak_of("VmHWM:\t many kB\n"), None);
     }

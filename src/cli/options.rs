@@ -5,8 +5,8 @@ use super::error::Failure;
 use super::file;
 use std::path::PathBuf;
 use svs::bake::hierarchy::HierarchyKind;
-use svs::bake::{BakeOptions, HierarchyChoice, Quality};
 use svs::bake::spheres::SphereKind;
+use svs::bake::{BakeOptions, HierarchyChoice, Quality};
 
 /// A build that can begin.
 #[derive(Debug)]

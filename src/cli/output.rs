@@ -119,8 +119,14 @@ mod tests {
         assert_eq!([count(0), count(999), count(1000), count(1_234_567)], ["0", "999", "1,000", "1,234,567"]);
         assert_eq!([bytes(1), bytes(999), bytes(4_096)], ["1 byte", "999 bytes", "4.1 kB"]);
         assert_eq!([bytes(999_949), bytes(999_950), bytes(2_500_000_000)], ["999.9 kB", "1.0 MB", "2.50 GB"]);
-        assert_eq!([number(0.0), number(0.0213), number(0.213), number(2.13)], ["0", "0.0213", "0.213", "2.13"]);
-        assert_eq!([number(0.01), number(0.1), number(1.0), number(0.9999)], ["0.0100", "0.100", "1.00", "1.00"]);
+        assert_eq!(
+            [number(0.0), number(0.0213), number(0.213), number(2.13)],
+            ["0", "0.0213", "0.213", "2.13"]
+        );
+        assert_eq!(
+            [number(0.01), number(0.1), number(1.0), number(0.9999)],
+            ["0.0100", "0.100", "1.00", "1.00"]
+        );
         assert_eq!([number(21.3), number(213.4), number(21_300.0)], ["21.3", "213", "21,300"]);
         assert_eq!([number(-213.4), number(-2.0), number(1e-9)], ["-213", "-2.00", "1.0e-9"]);
         assert_eq!([number(f64::NAN), percent(f64::INFINITY), percent(0.123)], ["-", "-", "12.3 %"]);

@@ -22,7 +22,7 @@ fn to_text(report: &ValidationReport, file: &str) -> String {
         "{file}: {}, {}, {}\n",
         number(Severity::Error, "error"),
         number(Severity::Warning, "warning"),
-        number(Severity::Information, "information")
+        number(Severity::Information, "note")
     );
     for issue in &report.issues {
         let _ = writeln!(text, "  {issue}");

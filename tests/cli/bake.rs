@@ -103,10 +103,15 @@ fn validate_finds_what_is_wrong() {
     let output = folder.path().join("out.glb");
     build(&scene, &output, &["-q"]).ok();
     let good = run(&["validate".as_ref(), output.as_os_str(), "--json".as_ref()]).ok().json();
-    assert_eq!((&good["issues"]["numErrors"], &good["issues"]["numWarnings"]), (&0.into(), &0.into()), "{good}");
+    assert_eq!(
+        (&good["issues"]["numErrors"], &good["issues"]["numWarnings"]),
+        (&0.into(), &0.into()),
+        "{good}"
+    );
 
     let mut document = Document::read(&output).expect("readable");
-    document.json["extensions"]["EXT_spherical_visibility"]["trees"][0]["directions"] = "cuboctahedron".into();
+    document.json["extensions"]["EXT_spherical_visibility"]["trees"][0]["directions"] =
+        "cuboctahedron".into();
     document.write(&output).expect("written");
     let text = run(&["validate".as_ref(), output.as_os_str()]).fails(1, &[]);
     assert!(text.stdout.contains("/extensions/EXT_spherical_visibility/trees/0/directions"), "{text:?}");
@@ -124,7 +129,8 @@ fn verify_measures_ours_and_the_published_method() {
     let scene = small_scene(&folder, "scene.glb");
     let output = folder.path().join("out.glb");
     build(&scene, &output, &["-q"]).ok();
-    let arguments = ["verify".as_ref(), output.as_os_str(), "--cameras".as_ref(), "2".as_ref(), "--json".as_ref()];
+    let arguments =
+        ["verify".as_ref(), output.as_os_str(), "--cameras".as_ref(), "2".as_ref(), "--json".as_ref()];
     let finished = run(&arguments).ok();
     let json = finished.json();
     for method in ["default", "published"] {

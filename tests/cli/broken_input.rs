@@ -18,7 +18,8 @@ fn all_fail(name: &str, bytes: Option<&[u8]>, words: &[&str]) {
     let mut words = words.to_vec();
     words.push(name);
     for reader in READERS {
-        let arguments = reader.iter().map(|&word| if word == "OUT" { output.as_os_str() } else { word.as_ref() });
+        let arguments =
+            reader.iter().map(|&word| if word == "OUT" { output.as_os_str() } else { word.as_ref() });
         let arguments: Vec<_> = arguments.chain([file.as_os_str()]).collect();
         let finished = run(&arguments).fails(1, &words);
         assert_eq!(finished.stdout, "", "{reader:?}");

@@ -57,7 +57,9 @@ fn check(inputs: &[PathBuf], extension: &str) {
 fn generated_scenes() {
     let folder = folder();
     let mut inputs = vec![plant()];
-    for (kind, name) in [("plant", "p.gltf"), ("city", "c.glb"), ("cubes", "q.glb"), ("boxes", "b.glb"), ("shells", "s.gltf")] {
+    for (kind, name) in
+        [("plant", "p.gltf"), ("city", "c.glb"), ("cubes", "q.glb"), ("boxes", "b.glb"), ("shells", "s.gltf")]
+    {
         let path = folder.path().join(name);
         let arguments = ["sample", kind, "-q", "-o"].map(std::ffi::OsStr::new);
         run(&[&arguments[..], &[path.as_os_str()]].concat()).ok();
@@ -75,7 +77,8 @@ fn public_scenes() {
         eprintln!("not checked: there is no {}", scenes.display());
         return;
     };
-    let files = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let files =
+        |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut inputs: Vec<PathBuf> = entries
         .flatten()
         .flat_map(|entry| files(&entry.path()).collect::<Vec<_>>())

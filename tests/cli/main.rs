@@ -88,7 +88,15 @@ fn small_scene(folder: &TempDir, name: &str) -> PathBuf {
 fn build(input: &Path, output: &Path, more: &[&str]) -> Finished {
     let quick = ["--quality", "draft", "--rays", "200000"];
     Finished::from(
-        svs().arg("build").arg(input).arg("-o").arg(output).args(quick).args(more).output().expect("svs starts"),
+        svs()
+            .arg("build")
+            .arg(input)
+            .arg("-o")
+            .arg(output)
+            .args(quick)
+            .args(more)
+            .output()
+            .expect("svs starts"),
     )
 }
 

@@ -36,8 +36,14 @@ fn wrong_usage_ends_with_code_2_and_says_what_is_right() {
         (&["strip", "in.glb"], &["--output"]),
         (&["sample", "plant"], &["--output"]),
         (&["build", "in.glb", "-o", "out.obj"], &["out.obj", ".glb or .gltf"]),
-        (&["build", "in.glb", "-o", "out.glb", "--directions", "isocahedron"], &["icosahedron-1", "dodecahedron"]),
-        (&["build", "in.glb", "-o", "out.glb", "--quality", "high", "--max-missing", "5"], &["cannot be used"]),
+        (
+            &["build", "in.glb", "-o", "out.glb", "--directions", "isocahedron"],
+            &["icosahedron-1", "dodecahedron"],
+        ),
+        (
+            &["build", "in.glb", "-o", "out.glb", "--quality", "high", "--max-missing", "5"],
+            &["cannot be used"],
+        ),
         (&["build", "in.glb", "-o", "out.glb", "--prune", "1.5"], &["--prune", "0 to 1"]),
         (&["build", "in.glb", "-o", "out.glb", "--max-missing", "nan"], &["--max-missing", "above 0"]),
         (&["build", "in.glb", "-o", "out.glb", "--report", "out.glb"], &["--report", "another file"]),
