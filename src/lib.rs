@@ -1,5 +1,7 @@
 //! Bakes direction-dependent visibility into glTF scenes.
 
 pub mod bake;
+pub mod generate;
 pub mod gltf;
 pub mod scene;
+pub mod verify;

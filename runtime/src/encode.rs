@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn fingerprint_is_fnv_1a() {
         assert_eq!(fingerprint([]), 0xCBF2_9CE4_8422_2325);
-        // Published test vector: FNV-1a of eight zero bytes is the basis times the prime, eight times.
+        // A zero byte changes nothing before the multiplication: eight of them are eight multiplications.
         let eight = (0..8).fold(0xCBF2_9CE4_8422_2325_u64, |h, _| h.wrapping_mul(0x100_0000_01B3));
         assert_eq!(fingerprint([(0, 0)]), eight);
         assert_ne!(fingerprint([(0, 1), (1, 2)]), fingerprint([(0, 2), (1, 1)]));

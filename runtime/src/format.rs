@@ -1,6 +1,6 @@
 //! The JSON of `EXT_spherical_visibility`, as the baker writes it and the decoder reads it.
 //!
-//! These types only mirror the text; nothing in them has been checked. The decoder does that.
+//! These types only mirror the text; nothing in them has been checked. [`crate::Visibility::decode`] does that.
 //! Unknown properties are ignored.
 
 use serde::{Deserialize, Serialize};
@@ -105,7 +105,7 @@ pub struct NestedJson {
 /// Settings the baker found best for a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecommendedJson {
-    /// Quality, 0 to 1.
+    /// Quality, 0 to 1, see [`crate::Settings::from_quality`].
     pub quality: f64,
 }
 

@@ -67,7 +67,7 @@ impl Document {
         let element = kind.element_size(component_type);
         let base = match json.get("bufferView") {
             None => {
-                if count as u64 > self.buffer_bytes().max(ZEROS_ALWAYS_ACCEPTED as u64) {
+                if count as u64 > self.read_bytes.max(ZEROS_ALWAYS_ACCEPTED as u64) {
                     return Err(AccessorError::TooManyZeros { pointer: at.pointer, count });
                 }
                 None

@@ -58,7 +58,9 @@ impl Document {
             bin.append(&mut self.buffers[i]);
         }
         let length = bin.len();
-        let kept: Vec<usize> = (0..loaded).filter(|i| !merged.contains(i)).collect();
+        let mut is_kept = vec![true; loaded];
+        merged.iter().for_each(|&i| is_kept[i] = false);
+        let kept: Vec<usize> = (0..loaded).filter(|&i| is_kept[i]).collect();
         for (position, &i) in kept.iter().enumerate() {
             places[i].0 = position + 1;
         }

@@ -49,6 +49,8 @@ pub struct Document {
     pub(super) bin_tail: Vec<u8>,
     pub(super) style: JsonStyle,
     pub(super) dropped_chunks: usize,
+    /// Bytes of all buffers when the document was read: what its accessors may plausibly stand for.
+    pub(super) read_bytes: u64,
 }
 
 impl Document {
@@ -128,6 +130,7 @@ impl Document {
     ) -> Result<Document, ReadError> {
         require_gltf(&json)?;
         let loaded = buffers::load(&json, bin, folder.as_deref())?;
+        let read_bytes = loaded.buffers.iter().map(|buffer| buffer.len() as u64).sum();
         Ok(Document {
             json,
             buffers: loaded.buffers,
@@ -139,6 +142,7 @@ impl Document {
             bin_tail: loaded.bin_tail,
             style,
             dropped_chunks: 0,
+            read_bytes,
         })
     }
 
@@ -157,14 +161,14 @@ impl Document {
         self.storage.get(index)
     }
 
+    /// Bytes of all buffers: the bound on what accessors with data can describe.
+    pub fn buffer_bytes(&self) -> u64 {
+        self.buffers.iter().map(|buffer| buffer.len() as u64).sum()
+    }
+
     /// Number of accessors, which is the index that the next appended accessor gets.
     pub fn next_accessor(&self) -> usize {
         json::array(&self.json, "accessors").len()
-    }
-
-    /// Bytes of all buffers together.
-    pub fn buffer_bytes(&self) -> u64 {
-        self.buffers.iter().map(|buffer| buffer.len() as u64).sum()
     }
 
     /// The bytes of a buffer view.
@@ -319,8 +323,11 @@ mod tests {
     #[test]
     fn number_text_and_key_order_survive() {
         let text =
-            "{\"z\":1.0,\"asset\":{\"version\":\"2.0\"},\"a\":[1e5,1E+5,-0.0,0.1000,123456789012345678901]}";
+            "{\"z\":1.0,\"asset\":{\"version\":\"2.0\"},\"a\":[1e-7,2e+5,-0.0,0.1000,123456789012345678901]}";
         assert_eq!(serde_json::to_string(&read(text).unwrap().json).unwrap(), text);
+        // The one thing that changes: exponents get a small e and a sign.
+        let written = text.replace("2e+5", "2E5");
+        assert_eq!(serde_json::to_string(&read(&written).unwrap().json).unwrap(), text);
     }
 
     #[test]

@@ -5,7 +5,8 @@
 //! put in by [`payload::attach`] and taken out again, exactly, by [`payload::strip`].
 //!
 //! What does *not* survive: white space of the JSON beyond its indentation, escapes that JSON does not need, the
-//! spelling of exponents (`1E5` becomes `1e+5`), the 0 to 3 padding bytes of GLB chunks, and bytes after the length that a GLB's header declares.
+//! spelling of exponents (`1E5` becomes `1e+5`), the 0 to 3 padding bytes of GLB chunks, and bytes after the length
+//! that a GLB's header declares.
 //!
 //! Every input is hostile: lengths are checked before anything is allocated, offsets before anything is read, and
 //! URIs may not leave the folder of the file that names them.

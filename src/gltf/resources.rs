@@ -1,6 +1,7 @@
 //! Files that a document names beside itself, and which of them a copy of the document needs.
 
 use super::document::Document;
+use super::error::UriError;
 use super::uri;
 use serde_json::Value;
 use std::collections::HashSet;
@@ -19,7 +20,7 @@ pub(super) struct Copy {
 pub(super) struct Resources {
     /// Files that exist in the document's folder.
     pub(super) files: Vec<(String, Copy)>,
-    /// URIs that name no file that may be copied.
+    /// Relative URIs that name no file, or none that may be copied.
     pub(super) unresolved: Vec<String>,
 }
 
@@ -51,12 +52,17 @@ impl Document {
 
 impl Resources {
     fn add(&mut self, text: &str, folder: Option<&Path>) {
-        let resolved = folder.and_then(|folder| {
-            let from = uri::resolve(folder, text).ok()?;
-            let to = from.strip_prefix(folder).ok()?.to_owned();
-            from.is_file().then_some(Copy { from, to })
+        let path = match (uri::relative_path(text), folder) {
+            // What is on the web needs no copy.
+            (Err(UriError::Remote { .. }), _) => return,
+            (Ok(_), Some(folder)) => uri::resolve(folder, text).ok(),
+            _ => None,
+        };
+        let copy = path.filter(|path| path.is_file()).and_then(|from| {
+            let to = from.strip_prefix(folder?).ok()?.to_owned();
+            Some(Copy { from, to })
         });
-        match resolved {
+        match copy {
             Some(copy) => self.files.push((text.to_owned(), copy)),
             None => self.unresolved.push(text.to_owned()),
         }

@@ -92,6 +92,11 @@ impl Document {
             Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
             _ => PathBuf::from("."),
         };
+        if !folder.is_dir() {
+            let source =
+                io::Error::new(io::ErrorKind::NotFound, "its folder does not exist; create it first");
+            return Err(WriteError::Io { path: path.to_owned(), source });
+        }
         let mut output = Output::new(&folder, &target);
         let mut summary = WriteSummary { dropped_chunks: self.dropped_chunks, ..WriteSummary::default() };
         self.stage_resources(&mut output, &mut summary)?;
@@ -158,15 +163,16 @@ impl Document {
 
     fn stage_resources(&self, output: &mut Output, summary: &mut WriteSummary) -> Result<(), WriteError> {
         let resources = self.resources();
-        summary.not_copied = resources.unresolved;
+        let in_place = self.folder.as_ref().is_some_and(|folder| same_file(folder, output.folder));
+        if !in_place {
+            summary.not_copied = resources.unresolved;
+        }
         for (uri, copy) in resources.files {
             let target = output.folder.join(&copy.to);
-            let in_place = same_file(&copy.from, &target);
-            if (in_place && same_file(&copy.from, output.main)) || target == output.main {
+            if target == output.main || same_file(&copy.from, output.main) {
                 return Err(WriteError::OwnResource { path: target, uri });
             }
-            if in_place {
-                summary.not_copied.retain(|other| *other != uri);
+            if in_place || same_file(&copy.from, &target) {
                 continue;
             }
             output.stage(&target, |file| {
@@ -183,7 +189,7 @@ impl Document {
         let stem = target.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         for (i, storage) in self.storage.iter().enumerate() {
             let BufferStorage::Beside(ending) = storage else { continue };
-            let name = self.free_name(&stem, ending);
+            let name = self.free_name(target, &stem, ending);
             output.stage(&output.folder.join(&name), |file| Ok(file.write_all(&self.buffers[i])?))?;
             json.to_mut()["buffers"][i]["uri"] = Value::String(uri::encode_path(&name));
         }
@@ -191,12 +197,15 @@ impl Document {
     }
 
     /// `<stem><ending>`, with a number if the document already uses that name for something else.
-    fn free_name(&self, stem: &str, ending: &str) -> String {
+    fn free_name(&self, target: &Path, stem: &str, ending: &str) -> String {
+        let main = target.file_name().map(PathBuf::from);
         let taken: Vec<String> = self
             .resources()
             .files
             .into_iter()
-            .map(|(_, copy)| copy.to.to_string_lossy().to_lowercase())
+            .map(|(_, copy)| copy.to)
+            .chain(main)
+            .map(|path| path.to_string_lossy().to_lowercase())
             .collect();
         let mut name = format!("{stem}{ending}");
         let mut number = 2;

@@ -9,11 +9,7 @@ use serde_json::Value;
 const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Opens accessor `index`, which `pointer` names.
-pub(super) fn open<'a>(
-    doc: &'a Document,
-    index: usize,
-    pointer: &str,
-) -> Result<Accessor<'a>, SceneError> {
+pub(super) fn open<'a>(doc: &'a Document, index: usize, pointer: &str) -> Result<Accessor<'a>, SceneError> {
     let accessors = array(&doc.json, "accessors", "")?;
     let Some(json) = accessors.get(index) else {
         let (pointer, count) = (pointer.to_owned(), accessors.len());

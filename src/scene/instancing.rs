@@ -1,8 +1,8 @@
 //! `EXT_mesh_gpu_instancing`: one transform per instance of a node's mesh.
 
 use super::SceneError;
-use super::json::{extension, index, malformed};
 use super::accessors::open;
+use super::json::{extension, index, malformed};
 use super::transform::from_trs;
 use crate::gltf::Document;
 use glam::{DAffine3, DVec3};

@@ -218,12 +218,9 @@ impl Reader<'_> {
             "triangles have a NaN or infinite vertex and are left out",
             || primitive.pointer.clone(),
         );
-        notes.add_many(
-            "DEGENERATE_TRIANGLE",
-            degenerate,
-            "triangles have no area and are left out",
-            || primitive.pointer.clone(),
-        );
+        notes.add_many("DEGENERATE_TRIANGLE", degenerate, "triangles have no area and are left out", || {
+            primitive.pointer.clone()
+        });
         Ok(count as u64)
     }
 }

@@ -30,6 +30,8 @@ use std::sync::Arc;
 /// Everything of one glTF scene that the bake needs.
 #[derive(Debug, Default)]
 pub struct Scene {
+    /// Index of the glTF scene; `None` for a file without scenes, whose nodes are then read as one.
+    pub index: Option<usize>,
     /// Distinct meshes in use, each one once however often it is drawn.
     pub meshes: Vec<Mesh>,
     /// Every mesh-bearing node the scene reaches (one entry per instance of `EXT_mesh_gpu_instancing`),

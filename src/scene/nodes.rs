@@ -3,7 +3,7 @@
 use super::animation::Animated;
 use super::json::{array, extension, index, malformed, optional_index};
 use super::notes::Notes;
-use super::transform::{self, Unusable};
+use super::transform::{self, OUT_OF_RANGE, Unusable};
 use super::{Object, Role, SceneError, SceneNode, instancing};
 use crate::gltf::Document;
 use glam::DAffine3;
@@ -16,6 +16,8 @@ const FREE_OBJECTS: u64 = 1 << 20;
 /// What a walk over the scene found. Roles do not yet know the meshes.
 #[derive(Debug, Default)]
 pub(super) struct Walk {
+    /// glTF index of the scene; `None` for a file without scenes.
+    pub(super) scene: Option<usize>,
     pub(super) nodes: Vec<SceneNode>,
     pub(super) objects: Vec<Object>,
     /// glTF mesh index of each mesh in use, by first use; `Object::mesh` indexes this.
@@ -38,7 +40,7 @@ pub(super) fn walk(
     notes: &mut Notes,
 ) -> Result<Walk, SceneError> {
     let nodes = array(&doc.json, "nodes", "")?;
-    let roots = roots(&doc.json, scene, nodes, notes)?;
+    let (scene, roots) = roots(&doc.json, scene, nodes, notes)?;
     let bytes = doc.buffer_bytes();
     let mut walker = Walker {
         doc,
@@ -48,7 +50,7 @@ pub(super) fn walk(
         state: vec![State::New; nodes.len()],
         mesh_of: vec![None; array(&doc.json, "meshes", "")?.len()],
         object_limit: (FREE_OBJECTS + nodes.len() as u64 + bytes).min(u64::from(u32::MAX)),
-        out: Walk::default(),
+        out: Walk { scene, ..Walk::default() },
     };
     for root in roots {
         walker.walk_root(root)?;
@@ -61,18 +63,20 @@ fn roots(
     scene: Option<usize>,
     nodes: &[Value],
     notes: &mut Notes,
-) -> Result<Vec<Root>, SceneError> {
+) -> Result<(Option<usize>, Vec<Root>), SceneError> {
     let scenes = array(json, "scenes", "")?;
     let default = optional_index(json, "scene", "scenes", scenes.len(), "");
     let chosen = match scene {
         Some(index) if index < scenes.len() => index,
         Some(index) => return Err(SceneError::NoSuchScene { index, count: scenes.len() }),
-        None if scenes.is_empty() => return parentless(nodes, notes),
+        None if scenes.is_empty() => return Ok((None, parentless(nodes, notes)?)),
         None => default?.unwrap_or(0),
     };
     let pointer = format!("/scenes/{chosen}");
     let listed = array(&scenes[chosen], "nodes", &pointer)?.iter().enumerate();
-    listed.map(|(i, value)| root(value, nodes.len(), format!("{pointer}/nodes/{i}"))).collect()
+    let roots: Result<_, SceneError> =
+        listed.map(|(i, value)| root(value, nodes.len(), format!("{pointer}/nodes/{i}"))).collect();
+    Ok((Some(chosen), roots?))
 }
 
 fn root(value: &Value, count: usize, pointer: String) -> Result<Root, SceneError> {
@@ -252,12 +256,15 @@ impl<'a> Walker<'a> {
         } else {
             match transform::check(&world) {
                 Ok(()) => None,
-                Err(Unusable::NotFinite) => {
-                    Some(("TRANSFORM_NOT_FINITE", "objects without a finite transform are left out of the bake"))
-                }
-                Err(Unusable::Degenerate) => {
-                    Some(("TRANSFORM_DEGENERATE", "objects flattened by their transform are left out of the bake"))
-                }
+                Err(Unusable::NotFinite) => Some((
+                    "TRANSFORM_NOT_FINITE",
+                    "objects without a finite transform are left out of the bake",
+                )),
+                Err(Unusable::OutOfRange) => Some(OUT_OF_RANGE),
+                Err(Unusable::Degenerate) => Some((
+                    "TRANSFORM_DEGENERATE",
+                    "objects flattened by their transform are left out of the bake",
+                )),
             }
         };
         if let Some((code, message)) = fault {

@@ -93,8 +93,7 @@ pub(super) fn plan(doc: &Document, meshes: &[usize], notes: &mut Notes) -> Resul
 fn plan_mesh(doc: &Document, mesh: usize, notes: &mut Notes) -> Result<MeshPlan, SceneError> {
     let pointer = format!("/meshes/{mesh}");
     let json = &array(&doc.json, "meshes", "")?[mesh];
-    let mut plan =
-        MeshPlan { primitives: Vec::new(), accessors: BTreeSet::new(), has_morph_targets: false };
+    let mut plan = MeshPlan { primitives: Vec::new(), accessors: BTreeSet::new(), has_morph_targets: false };
     for (p, primitive) in array(json, "primitives", &pointer)?.iter().enumerate() {
         let pointer = format!("{pointer}/primitives/{p}");
         if !array(primitive, "targets", &pointer)?.is_empty() {
@@ -142,7 +141,8 @@ fn parse(
         return Ok(None);
     };
     let indices = optional_index(json, "indices", "accessors", accessors, &pointer)?;
-    if extension(json, DRACO).is_some() && [Some(position), indices].iter().flatten().any(|&a| !has_data(doc, a))
+    if extension(json, DRACO).is_some()
+        && [Some(position), indices].iter().flatten().any(|&a| !has_data(doc, a))
     {
         return Err(SceneError::Compressed { pointer, extension: DRACO });
     }

@@ -73,7 +73,7 @@ pub fn read_scene(doc: &Document, options: &ReadOptions) -> Result<Scene, SceneE
     let materials = materials::read(doc, &plan.materials, &animated, options.mask, &mut notes)?;
     let meshes = meshes::read(doc, &plan, &materials, &mut notes)?;
     let has_morph_targets: Vec<bool> = plan.meshes.iter().map(|mesh| mesh.has_morph_targets).collect();
-    let mut scene = Scene { meshes, objects: walk.objects, nodes: walk.nodes, notes: Vec::new() };
+    let mut scene = Scene { index: walk.scene, meshes, objects: walk.objects, nodes: walk.nodes, notes: Vec::new() };
     exclude(&mut scene, &has_morph_targets, &mut notes);
     scene.notes = notes.into_vec();
     Ok(scene)
@@ -88,7 +88,7 @@ fn exclude(scene: &mut Scene, has_morph_targets: &[bool], notes: &mut Notes) {
         } else if mesh.is_empty() {
             ("NO_TRIANGLES", "objects have no triangle that can be seen and are left out of the bake")
         } else if !transform::box_in_range(&object.to_world, mesh.min, mesh.max) {
-            ("OUT_OF_RANGE", "objects reach beyond 1e18 m and are left out of the bake")
+            transform::OUT_OF_RANGE
         } else {
             continue;
         };

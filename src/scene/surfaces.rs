@@ -35,8 +35,7 @@ impl Groups {
             Cover::Mask(texture) => Opacity::Mask(Arc::clone(&texture.mask)),
             Cover::Nothing => return None,
         };
-        let found =
-            self.0.iter().position(|g| g.double_sided == double_sided && same(&g.opacity, &opacity));
+        let found = self.0.iter().position(|g| g.double_sided == double_sided && same(&g.opacity, &opacity));
         let place = found.unwrap_or_else(|| {
             self.0.push(Group { double_sided, opacity, triangles: Vec::new() });
             self.0.len() - 1

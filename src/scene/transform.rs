@@ -8,6 +8,10 @@ use serde_json::Value;
 /// World coordinates beyond this (metres) are refused: their squares must still fit f32 at run time.
 pub(super) const MAX_COORDINATE: f64 = 1.0e18;
 
+/// Code and message of the note on objects beyond [`MAX_COORDINATE`].
+pub(super) const OUT_OF_RANGE: (&str, &str) =
+    ("OUT_OF_RANGE", "objects reach beyond 1e18 m and are left out of the bake");
+
 /// A matrix whose volume is below this share of the product of its column lengths has lost a dimension:
 /// f64 products of up to a few thousand matrices stay well below that.
 const DEGENERATE: f64 = 1.0e-12;
@@ -48,6 +52,8 @@ pub(super) fn from_trs(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> 
 pub(super) enum Unusable {
     /// A coefficient is NaN or infinite.
     NotFinite,
+    /// A coefficient is beyond [`MAX_COORDINATE`].
+    OutOfRange,
     /// Flattens space: no inverse.
     Degenerate,
 }
@@ -58,6 +64,10 @@ pub(super) fn check(world: &DAffine3) -> Result<(), Unusable> {
         return Err(Unusable::NotFinite);
     }
     let m = world.matrix3;
+    let columns = [m.x_axis, m.y_axis, m.z_axis, world.translation];
+    if columns.iter().any(|column| column.abs().max_element() > MAX_COORDINATE) {
+        return Err(Unusable::OutOfRange);
+    }
     let lengths = [m.x_axis.length(), m.y_axis.length(), m.z_axis.length()];
     if lengths.contains(&0.0) {
         return Err(Unusable::Degenerate);
@@ -110,6 +120,7 @@ mod tests {
         assert_eq!(check(&scaled(1e-3, 1e-60, 1e-60)), Ok(()));
         assert_eq!(check(&scaled(1.0, 0.0, 1.0)), Err(Unusable::Degenerate));
         assert_eq!(check(&scaled(1e-310, 1e-310, 1e-310)), Err(Unusable::Degenerate));
+        assert_eq!(check(&scaled(1.0, 1e200, 1.0)), Err(Unusable::OutOfRange));
         assert_eq!(check(&scaled(1.0, f64::INFINITY, 1.0)), Err(Unusable::NotFinite));
         assert_eq!(check(&scaled(1.0, f64::NAN, 1.0)), Err(Unusable::NotFinite));
         let mut sheared = DAffine3::IDENTITY;

@@ -106,7 +106,12 @@ impl VertexSet {
 
     /// The place of a vertex (in range) in the mesh's `positions` and `uvs`, appended on first use; `None` if
     /// the mesh is full.
-    pub(super) fn place(&mut self, vertex: u32, positions: &mut Vec<DVec3>, uvs: &mut Vec<Vec2>) -> Option<u32> {
+    pub(super) fn place(
+        &mut self,
+        vertex: u32,
+        positions: &mut Vec<DVec3>,
+        uvs: &mut Vec<Vec2>,
+    ) -> Option<u32> {
         let slot = match &mut self.places {
             Places::Table(table) => &mut table[vertex as usize],
             Places::Map(map) => map.entry(vertex).or_insert(NO_PLACE),

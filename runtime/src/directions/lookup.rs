@@ -1,7 +1,7 @@
 //! From a vector to its nearest direction and its triangle in constant time, exactly.
 //!
 //! The sphere is cut into the cells of an octahedral map (Meyer et al., *On Floating-Point Normal Vectors*,
-//! 2010). A cell keeps every direction that is nearest somewhere in it (mostly one to three) and the triangle
+//! 2010). A cell keeps every direction that is nearest somewhere in it (mostly one or two) and the triangle
 //! that holds its middle, from which a short walk finds the right one.
 
 use super::delaunay::edge_map;
@@ -15,32 +15,50 @@ const MARGIN: f64 = 1e-9;
 /// Weights down to this count as inside a triangle, so that a vector on an edge ends the walk.
 const ON_EDGE: f64 = -1e-12;
 
+/// Directions a cell holds in place. More meet only in a few cells, at corners where many bins meet.
+const SLOTS: usize = 4;
+
+/// In the last slot: the cell's directions are in the overflow list. No set has so many directions.
+const OVERFLOW: u16 = u16::MAX;
+
 /// The table of one direction set.
 #[derive(Debug)]
 pub(crate) struct Lookup {
     /// Cells per side of the octahedral square, even: the folds then run along cell borders and diagonals.
     side: usize,
-    /// Candidates of cell `c` are `candidates[starts[c]..starts[c + 1]]`, ascending.
-    starts: Vec<u32>,
-    candidates: Vec<u16>,
-    /// Triangle that holds the middle of each cell.
-    triangles: Vec<u16>,
+    cells: Vec<Cell>,
+    /// Candidates of the cells that have more than [`SLOTS`], by cell.
+    overflow: Vec<(usize, Vec<u16>)>,
     /// The neighbour of each triangle across its edges (first-second, second-third, third-first).
     across: Vec<[u16; 3]>,
+    /// Normals of the planes through the origin and the edges opposite each corner, pointing inwards.
+    normals: Vec<[DVec3; 3]>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    /// Candidates, ascending; free slots repeat the first, so that the common case needs no branch.
+    candidates: [u16; SLOTS],
+    /// Triangle that holds the middle of the cell.
+    triangle: u16,
 }
 
 impl Lookup {
     /// `rings[i]` are the neighbours of `i` in `mesh`, which must be Delaunay: greedy walks rely on it.
     pub(crate) fn new(mesh: &Mesh, rings: &[Vec<u16>]) -> Self {
         let edges = edge_map(&mesh.triangles);
-        let across = mesh
-            .triangles
-            .iter()
-            .map(|&[a, b, c]| [(b, a), (c, b), (a, c)].map(|e| edges.get(&e).copied().unwrap_or(0) as u16))
-            .collect();
-        let side = ((2.5 * (mesh.vertices.len() as f64).sqrt()) as usize).next_power_of_two().max(8);
-        let mut lookup =
-            Self { side, starts: vec![0], candidates: Vec::new(), triangles: Vec::new(), across };
+        let neighbours = |&[a, b, c]: &[u16; 3]| {
+            [(b, a), (c, b), (a, c)].map(|e| edges.get(&e).copied().unwrap_or(0) as u16)
+        };
+        let across = mesh.triangles.iter().map(neighbours).collect();
+        let planes = |triangle: &[u16; 3]| {
+            let [a, b, c] = triangle.map(|i| mesh.vertices[i as usize]);
+            [b.cross(c), c.cross(a), a.cross(b)]
+        };
+        let normals = mesh.triangles.iter().map(planes).collect();
+        // About a hundred cells per bin, as long as the table stays small.
+        let side = ((5.0 * (mesh.vertices.len() as f64).sqrt()) as usize).next_power_of_two().clamp(16, 256);
+        let mut lookup = Self { side, cells: Vec::new(), overflow: Vec::new(), across, normals };
         let (mut near, mut triangle) = (0, 0);
         for row in 0..side {
             for column in 0..side {
@@ -51,54 +69,56 @@ impl Lookup {
                 let corners = [corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(1.0, 1.0)];
                 let middle = corner(0.5, 0.5);
                 near = walk_to_nearest(mesh, rings, near, middle);
+                triangle = lookup.walk(triangle, middle).0;
                 let mut found = seen_from(mesh, rings, near, middle, corners);
                 found.sort_unstable();
-                lookup.candidates.extend(found);
-                lookup.starts.push(lookup.candidates.len() as u32);
-                triangle = lookup.walk(mesh, triangle, middle).0;
-                lookup.triangles.push(triangle);
+                let mut candidates = [found[0]; SLOTS];
+                if found.len() > SLOTS {
+                    candidates[SLOTS - 1] = OVERFLOW;
+                    lookup.overflow.push((lookup.cells.len(), found));
+                } else {
+                    candidates[..found.len()].copy_from_slice(&found);
+                }
+                lookup.cells.push(Cell { candidates, triangle });
             }
         }
         lookup
     }
 
-    /// Cell of a vector with `|x| + |y| + |z| = 1`.
-    fn cell(&self, p: DVec3) -> usize {
-        let (u, v) = fold(p);
+    /// Cell of `v`, which is `1 / scale` long in the sense of `|x| + |y| + |z|`.
+    #[inline]
+    fn cell(&self, v: DVec3, scale: f64) -> usize {
+        let (u, v) = fold(v * scale);
         let half = self.side as f64 * 0.5;
         let index = |t: f64| (((t + 1.0) * half) as usize).min(self.side - 1);
         index(v) * self.side + index(u)
     }
 
-    /// Index of the largest dot product with `p` (the lowest such index); `|x| + |y| + |z| = 1`.
-    pub(crate) fn nearest(&self, vertices: &[DVec3], p: DVec3) -> usize {
-        let cell = self.cell(p);
-        let range = self.starts[cell] as usize..self.starts[cell + 1] as usize;
-        let list = &self.candidates[range];
-        let mut best = list[0] as usize;
-        if list.len() > 1 {
-            let mut best_dot = vertices[best].dot(p);
-            for &i in &list[1..] {
-                let dot = vertices[i as usize].dot(p);
-                if dot > best_dot {
-                    (best, best_dot) = (i as usize, dot);
-                }
-            }
+    /// Index of the largest dot product with `v` (the lowest such index); `scale` is `1 / (|x| + |y| + |z|)`.
+    #[inline]
+    pub(crate) fn nearest(&self, vertices: &[DVec3], v: DVec3, scale: f64) -> usize {
+        let index = self.cell(v, scale);
+        let candidates = &self.cells[index].candidates;
+        if candidates[SLOTS - 1] == OVERFLOW {
+            let at = self.overflow.partition_point(|entry| entry.0 < index);
+            return best(vertices, v, &self.overflow[at].1);
         }
-        best
+        // Free slots repeat the first candidate: a third one is rare, and one branch is cheaper than four.
+        let first = best(vertices, v, &candidates[..2]);
+        if candidates[2] == candidates[0] { first } else { best(vertices, v, candidates) }
     }
 
-    /// Triangle that holds `p` (`|x| + |y| + |z| = 1`) and the weights of its corners, which sum to 1.
-    pub(crate) fn triangle(&self, mesh: &Mesh, p: DVec3) -> (u16, [f64; 3]) {
-        self.walk(mesh, self.triangles[self.cell(p)], p)
+    /// Triangle that holds `v` and the weights of its corners, which sum to 1; `scale` as in [`Self::nearest`].
+    pub(crate) fn triangle(&self, v: DVec3, scale: f64) -> (u16, [f64; 3]) {
+        self.walk(self.cells[self.cell(v, scale)].triangle, v * scale)
     }
 
     /// Steps across the most negative edge until none is negative (Devillers et al. 2001: ends on a Delaunay
     /// triangulation). The bound only guards against rounding.
-    fn walk(&self, mesh: &Mesh, start: u16, p: DVec3) -> (u16, [f64; 3]) {
+    fn walk(&self, start: u16, p: DVec3) -> (u16, [f64; 3]) {
         let mut triangle = start;
-        let mut weights = barycentric(mesh, triangle, p);
-        for _ in 0..mesh.triangles.len() {
+        let mut weights = self.barycentric(triangle, p);
+        for _ in 0..self.across.len() {
             // The weight of a corner is negative beyond the opposite edge.
             let [a, b, c] = weights;
             let (edge, least) = if c <= a && c <= b {
@@ -112,18 +132,29 @@ impl Lookup {
                 break;
             }
             triangle = self.across[triangle as usize][edge];
-            weights = barycentric(mesh, triangle, p);
+            weights = self.barycentric(triangle, p);
         }
         let clamped = weights.map(|w| w.max(0.0));
         let sum = clamped[0] + clamped[1] + clamped[2];
         (triangle, clamped.map(|w| w / sum))
     }
+
+    /// Weights of the point where the ray along `p` meets the triangle's plane, times a positive factor.
+    #[inline]
+    fn barycentric(&self, triangle: u16, p: DVec3) -> [f64; 3] {
+        self.normals[usize::from(triangle)].map(|normal| normal.dot(p))
+    }
 }
 
-/// Weights of the point where the ray along `p` meets the triangle's plane, times a positive factor.
-fn barycentric(mesh: &Mesh, triangle: u16, p: DVec3) -> [f64; 3] {
-    let [a, b, c] = mesh.triangles[triangle as usize].map(|i| mesh.vertices[i as usize]);
-    [p.dot(b.cross(c)), p.dot(c.cross(a)), p.dot(a.cross(b))]
+/// The lowest of the indices with the largest dot product.
+#[inline]
+fn best(vertices: &[DVec3], v: DVec3, candidates: &[u16]) -> usize {
+    let (mut best, mut most) = (0, f64::NEG_INFINITY);
+    for &i in candidates {
+        let dot = vertices[usize::from(i)].dot(v);
+        (best, most) = if dot > most { (usize::from(i), dot) } else { (best, most) };
+    }
+    best
 }
 
 /// On a Delaunay triangulation, always stepping to the best neighbour ends at the nearest vertex.

@@ -140,7 +140,7 @@ impl DirectionSet {
     /// [`Self::nearest`] for an `f64` vector.
     pub fn nearest_f64(&self, vector: DVec3) -> usize {
         match on_octahedron(vector) {
-            Some(p) => self.lookup.nearest(&self.mesh.vertices, p),
+            Some((v, scale)) => self.lookup.nearest(&self.mesh.vertices, v, scale),
             None => 0,
         }
     }
@@ -159,8 +159,8 @@ impl DirectionSet {
     /// [`Self::weights`] for an `f64` vector.
     pub fn weights_f64(&self, vector: DVec3) -> ([u16; 3], [f32; 3]) {
         match on_octahedron(vector) {
-            Some(p) => {
-                let (triangle, weights) = self.lookup.triangle(&self.mesh, p);
+            Some((v, scale)) => {
+                let (triangle, weights) = self.lookup.triangle(v, scale);
                 (self.mesh.triangles[triangle as usize], weights.map(|w| w as f32))
             }
             None => (self.mesh.triangles[0], [1.0, 0.0, 0.0]),
@@ -181,19 +181,20 @@ impl DirectionSet {
     }
 }
 
-/// Scales a vector to `|x| + |y| + |z| = 1`, whatever its length; `None` for zero, NaN and infinities.
-fn on_octahedron(v: DVec3) -> Option<DVec3> {
+/// The vector and the factor that brings it to `|x| + |y| + |z| = 1`; `None` for zero, NaN and infinities. Vectors near the
+/// ends of the number range are brought into its middle first.
+#[inline]
+fn on_octahedron(v: DVec3) -> Option<(DVec3, f64)> {
     let sum = v.x.abs() + v.y.abs() + v.z.abs();
     if (1e-290..1e290).contains(&sum) {
-        return Some(v / sum);
+        return Some((v, 1.0 / sum));
     }
     let largest = v.abs().max_element();
     if !v.is_finite() || largest == 0.0 {
         return None;
     }
-    // Two steps: a quotient of numbers near the ends of the range is exact enough, their sum is not.
     let v = v / largest;
-    Some(v / (v.x.abs() + v.y.abs() + v.z.abs()))
+    Some((v, 1.0 / (v.x.abs() + v.y.abs() + v.z.abs())))
 }
 
 #[cfg(test)]

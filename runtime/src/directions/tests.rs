@@ -1,7 +1,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// The dissertation's table: name, directions, smallest and largest angle to the nearest other direction (degrees).
+/// The dissertation's table: name, directions, smallest pairwise angle (degrees).
 const TABLE: [(&str, usize, f64); 20] = [
     ("tetrahedron", 4, 109.47),
     ("octahedron", 6, 90.00),
@@ -30,7 +30,7 @@ fn set(name: &str) -> &'static DirectionSet {
 }
 
 fn brute_force(set: &DirectionSet, vector: DVec3) -> usize {
-    let p = on_octahedron(vector).unwrap();
+    let (p, _) = on_octahedron(vector).unwrap();
     let mut best = 0;
     for i in 1..set.len() {
         if set.direction_f64(i).dot(p) > set.direction_f64(best).dot(p) {

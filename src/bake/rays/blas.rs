@@ -1,6 +1,6 @@
 //! The triangles of one mesh, or of many meshes drawn once each, under one `obvhs` hierarchy.
 
-use super::triangle::{ShearedRay, TriangleHit};
+use super::triangle::{PACKET, Packet, ShearedRay, TriangleHit};
 use crate::scene::{Mesh, Opacity};
 use glam::{DAffine3, Vec2, Vec3A};
 use obvhs::BvhBuildParams;
@@ -23,9 +23,10 @@ const MASKED: u8 = 4;
 
 /// Triangles in their own frame of half diagonal about 1.
 pub(super) struct Blas<'a> {
+    /// A leaf's `first_index` is its packet.
     bvh: Bvh2,
-    /// In the order of the hierarchy's leaves.
-    corners: Vec<[[f32; 3]; 3]>,
+    packets: Vec<Packet>,
+    /// By packet and place in it, like the vectors below.
     flags: Vec<u8>,
     /// Member of each triangle, for triangles of several members; else empty.
     members: Vec<u32>,
@@ -51,8 +52,9 @@ impl<'a> Blas<'a> {
         let masked = flags.iter().any(|f| f & MASKED != 0);
         let mut blas = Self::build(corners, flags, Vec::new());
         if masked {
-            blas.sources = blas.bvh.primitive_indices.clone();
             blas.masked_mesh = Some(mesh);
+        } else {
+            blas.sources = Vec::new();
         }
         blas
     }
@@ -78,7 +80,9 @@ impl<'a> Blas<'a> {
             }
             flags.extend(triangle_flags(part.mesh));
         }
-        Self::build(corners, flags, members)
+        let mut blas = Self::build(corners, flags, members);
+        blas.sources = Vec::new();
+        blas
     }
 
     fn build(corners: Vec<[[f32; 3]; 3]>, flags: Vec<u8>, members: Vec<u32>) -> Self {
@@ -92,24 +96,41 @@ impl<'a> Blas<'a> {
                 aabb
             })
             .collect();
-        let bvh = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
-        let leaf_order = &bvh.primitive_indices;
+        let params = BvhBuildParams {
+            max_prims_per_leaf: PACKET as u32,
+            // A packet costs about as much as one of its triangles would, so leaves may as well be full.
+            collapse_traversal_cost: 8.0,
+            ..BvhBuildParams::fast_build()
+        };
+        let mut bvh = build_bvh2(&boxes, params, &mut Duration::default());
+        // Lines are far apart, so most of their time is spent waiting for nodes: keep those of a path together.
+        bvh.reorder_in_stack_traversal_order();
+        let mut packets = Vec::new();
+        // Source triangle of every place in the packets.
+        let mut places = Vec::new();
+        for leaf in bvh.nodes.iter_mut().filter(|n| n.is_leaf()) {
+            let first = leaf.first_index as usize;
+            let sources = &bvh.primitive_indices[first..first + leaf.prim_count as usize];
+            leaf.first_index = packets.len() as u32;
+            for chunk in sources.chunks(PACKET) {
+                let triangles: Vec<_> = chunk.iter().map(|&i| corners[i as usize]).collect();
+                packets.push(Packet::new(&triangles));
+                places.extend((0..PACKET).map(|lane| chunk.get(lane).copied().unwrap_or(0)));
+            }
+        }
+        bvh.primitive_indices = Vec::new();
         Self {
-            corners: leaf_order.iter().map(|&i| corners[i as usize]).collect(),
-            flags: leaf_order.iter().map(|&i| flags[i as usize]).collect(),
-            members: if members.is_empty() {
-                members
-            } else {
-                leaf_order.iter().map(|&i| members[i as usize]).collect()
-            },
-            sources: Vec::new(),
+            packets,
+            flags: places.iter().map(|&i| flags[i as usize]).collect(),
+            members: places.iter().filter_map(|&i| members.get(i as usize).copied()).collect(),
+            sources: places,
             masked_mesh: None,
             bvh,
         }
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.corners.is_empty()
+        self.packets.is_empty()
     }
 
     /// Calls `found(t, flags, member, front)` for every triangle that the ray from `origin` meets at
@@ -131,14 +152,19 @@ impl<'a> Blas<'a> {
         let ray = Ray::new(origin, direction, 0.0, limit);
         let test_leaf = |node: &obvhs::bvh2::node::Bvh2Node, ray: &mut Ray, _: &mut RayHit| {
             let first = node.first_index as usize;
-            for index in first..first + node.prim_count as usize {
-                if let Some(hit) = sheared.intersect(&self.corners[index])
-                    && hit.t >= 0.0
-                    && hit.t <= ray.tmax
-                    && self.is_there(index, &hit)
-                {
-                    let member = self.members.get(index).copied();
-                    ray.tmax = found(hit.t, self.flags[index], member, hit.front);
+            let count = (node.prim_count as usize).div_ceil(PACKET);
+            for packet in first..first + count {
+                let hit = sheared.intersect_packet(&self.packets[packet], ray.tmax);
+                let mut lanes = hit.lanes;
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    let index = packet * PACKET + lane;
+                    let hit = hit.get(lane);
+                    if hit.t <= ray.tmax && self.is_there(index, &hit) {
+                        let member = self.members.get(index).copied();
+                        ray.tmax = found(hit.t, self.flags[index], member, hit.front);
+                    }
                 }
             }
             true

@@ -66,18 +66,15 @@ fn check_root(document: &Document) -> Result<(), AttachError> {
     let malformed =
         |pointer: &str, expected| AttachError::Malformed { pointer: pointer.to_owned(), expected };
     let root = document.json.as_object().ok_or_else(|| malformed("", "an object"))?;
-    for key in CONTAINERS {
-        match root.get(key) {
-            Some(Value::Object(all)) if key == "extensions" => {
-                if all.contains_key(EXTENSION) {
-                    return Err(AttachError::AlreadyAttached);
-                }
-            }
-            Some(value) if key == "extensions" || !value.is_array() => {
-                let expected = if key == "extensions" { "an object" } else { "an array" };
-                return Err(malformed(&format!("/{key}"), expected));
-            }
-            _ => {}
+    if let Some(extensions) = root.get("extensions") {
+        let extensions = extensions.as_object().ok_or_else(|| malformed("/extensions", "an object"))?;
+        if extensions.contains_key(EXTENSION) {
+            return Err(AttachError::AlreadyAttached);
+        }
+    }
+    for key in &CONTAINERS[..4] {
+        if root.get(*key).is_some_and(|value| !value.is_array()) {
+            return Err(malformed(&format!("/{key}"), "an array"));
         }
     }
     if json::array(&document.json, "buffers").len() != document.buffers.len() {
@@ -155,7 +152,7 @@ fn append_bytes(document: &mut Document, bytes: &[u8], before: &mut Map<String, 
             buffer.extend_from_slice(bytes);
             let length = &mut document.json["buffers"][0]["byteLength"];
             let stood = std::mem::replace(length, buffer.len().into());
-            if stood != Value::from(start) {
+            if stood != start {
                 before.insert("byteLength".into(), stood);
             }
             return (0, start);
@@ -163,7 +160,7 @@ fn append_bytes(document: &mut Document, bytes: &[u8], before: &mut Map<String, 
     }
     let storage = if glb && document.buffers.is_empty() && document.loose_bin.is_none() {
         BufferStorage::Bin
-    } else if !glb && document.storage.iter().any(|storage| is_file(storage)) {
+    } else if !glb && document.storage.iter().any(is_file) {
         BufferStorage::Beside(".svs.bin")
     } else {
         BufferStorage::Embedded
@@ -213,5 +210,90 @@ fn push(root: &mut Value, key: &str, item: Value) {
         Value::Array(items) => items.push(item),
         // `check_root` has seen to it that it is an array if it exists; indexing made it null otherwise.
         missing => *missing = Value::Array(vec![item]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gltf::payload::strip;
+
+    fn table<'a>(bytes: &'a [u8], component_type: u32, kind: &'static str, count: usize) -> Table<'a> {
+        Table { bytes, component_type, kind, count, min_max: None }
+    }
+
+    fn extension(tables: &[usize]) -> Value {
+        let tables: Map<String, Value> = tables.iter().map(|i| (format!("T{i}"), (*i).into())).collect();
+        json!({"trees": [{"tables": tables}]})
+    }
+
+    fn glb(json: &Value, bin: &[u8]) -> Document {
+        Document::from_parts(json.clone(), Some(bin.to_vec())).unwrap()
+    }
+
+    #[test]
+    fn an_odd_buffer_is_padded_and_restored() {
+        let json = json!({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 5}]});
+        let mut document = glb(&json, &[1, 2, 3, 4, 5]);
+        let mut float = table(&[0, 0, 0x80, 0x3F], 5126, "SCALAR", 1);
+        float.min_max = Some((vec![0.1], vec![1.0]));
+        let indices = attach(&mut document, extension(&[0, 1]), &[table(&[7; 3], 5121, "SCALAR", 3), float]);
+        assert_eq!(indices, Ok(vec![0, 1]));
+        assert_eq!(document.buffers[0], [1, 2, 3, 4, 5, 0, 0, 0, 7, 7, 7, 0, 0, 0, 0x80, 0x3F]);
+        assert_eq!(document.json["bufferViews"], json!([{"buffer": 0, "byteOffset": 8, "byteLength": 8}]));
+        assert_eq!(document.json["accessors"][1]["byteOffset"], 4);
+        assert_eq!(document.json["accessors"][1]["min"].to_string(), "[0.10000000149011612]");
+        assert_eq!(document.json["extensionsUsed"], json!([EXTENSION]));
+        let record = &document.json["extensions"][EXTENSION]["extras"]["before"];
+        assert_eq!(*record, json!({"byteLength": 5}));
+        assert!(strip(&mut document));
+        assert_eq!(document.json, json);
+        assert_eq!(document.buffers, [[1, 2, 3, 4, 5]]);
+    }
+
+    #[test]
+    fn nothing_is_recorded_in_the_common_case() {
+        let json = json!({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4}]});
+        let mut document = glb(&json, &[1, 2, 3, 4]);
+        attach(&mut document, extension(&[0]), &[table(&[7], 5121, "SCALAR", 1)]).unwrap();
+        assert_eq!(document.json["extensions"][EXTENSION], extension(&[0]));
+    }
+
+    #[test]
+    fn a_failed_attach_changes_nothing() {
+        let json = json!({"asset": {"version": "2.0"}, "extensions": {}});
+        let mut document = Document::from_parts(json.clone(), None).unwrap();
+        let mut wrong_bounds = table(&[1], 5121, "SCALAR", 1);
+        wrong_bounds.min_max = Some((vec![0.0, 1.0], vec![1.0]));
+        let mut infinite = table(&[0; 4], 5126, "SCALAR", 1);
+        infinite.min_max = Some((vec![f32::NAN], vec![1.0]));
+        for bad in [
+            table(&[1, 2], 5121, "SCALAR", 1),
+            table(&[], 5121, "SCALAR", 0),
+            table(&[1], 5124, "SCALAR", 1),
+            table(&[0; 8], 5121, "MAT2", 1),
+            table(&[], 5126, "VEC4", usize::MAX),
+            wrong_bounds,
+            infinite,
+        ] {
+            let result = attach(&mut document, extension(&[0]), &[bad]);
+            assert!(matches!(result, Err(AttachError::Table { table: 0, .. })), "{result:?}");
+        }
+        assert!(attach(&mut document, json!([]), &[]).is_err());
+        assert!(attach(&mut document, json!({"extras": 1}), &[]).is_err());
+        assert_eq!(document.json, json);
+        attach(&mut document, json!({}), &[]).unwrap();
+        assert_eq!(attach(&mut document, json!({}), &[]), Err(AttachError::AlreadyAttached));
+        assert!(strip(&mut document));
+        assert_eq!(document.json, json, "the empty object is restored");
+    }
+
+    #[test]
+    fn a_table_that_a_mesh_uses_stays() {
+        let mut document = Document::from_parts(json!({"asset": {"version": "2.0"}}), None).unwrap();
+        attach(&mut document, extension(&[0]), &[table(&[7], 5121, "SCALAR", 1)]).unwrap();
+        document.json["meshes"] = json!([{"primitives": [{"attributes": {}, "indices": 0}]}]);
+        assert!(strip(&mut document));
+        assert_eq!(document.accessor(0).unwrap().read_indices_u32().unwrap(), [7]);
     }
 }

@@ -15,11 +15,14 @@ pub fn strip(document: &mut Document) -> bool {
     let Some(extension) = extensions.shift_remove(EXTENSION) else { return false };
     let before = extension.pointer("/extras/before").and_then(Value::as_object).cloned().unwrap_or_default();
     if before.get("declared") != Some(&Value::Bool(true)) {
-        for key in ["extensionsUsed", "extensionsRequired"] {
-            if let Some(Value::Array(names)) = document.json.get_mut(key) {
-                names.retain(|name| name != EXTENSION);
-            }
-        }
+        remove_name(&mut document.json, "extensionsUsed");
+    }
+    // Never ours, but a file that requires what it does not have would open nowhere.
+    if remove_name(&mut document.json, "extensionsRequired")
+        && json::array(&document.json, "extensionsRequired").is_empty()
+        && let Value::Object(root) = &mut document.json
+    {
+        root.shift_remove("extensionsRequired");
     }
     remove_tables(document, &extension, &before);
     let was_empty = |key: &str| {
@@ -29,7 +32,7 @@ pub fn strip(document: &mut Document) -> bool {
             .is_some_and(|empty| empty.iter().any(|name| name == key))
     };
     if let Value::Object(root) = &mut document.json {
-        for key in CONTAINERS.iter().copied().chain(["extensionsRequired"]) {
+        for key in CONTAINERS {
             let is_empty = match root.get(key) {
                 Some(Value::Array(items)) => items.is_empty(),
                 Some(Value::Object(items)) => items.is_empty(),
@@ -41,6 +44,14 @@ pub fn strip(document: &mut Document) -> bool {
         }
     }
     true
+}
+
+/// Removes the extension's name from a list; returns whether it was there.
+fn remove_name(root: &mut Value, key: &str) -> bool {
+    let Some(Value::Array(names)) = root.get_mut(key) else { return false };
+    let count = names.len();
+    names.retain(|name| name != EXTENSION);
+    names.len() < count
 }
 
 /// Whether `attach` may have created the container: without tables it touches the last two only.
@@ -87,8 +98,12 @@ fn remove_tables(document: &mut Document, extension: &Value, before: &Map<String
         Some(stood) => Some(json::index(stood).filter(|&stood| stood <= start && start - stood < 4)?),
         None => (start > 0).then_some(start),
     };
-    let last_buffer =
-        buffer + 1 == document.buffers.len() && document.storage.len() == document.buffers.len();
+    let last_buffer = buffer + 1 == document.buffers.len();
+    let objects = json::array(&document.json, "buffers");
+    if [objects.len(), document.storage.len()] != [document.buffers.len(); 2] || !objects[buffer].is_object()
+    {
+        return None;
+    }
     if end != bytes || free_from > old_length.unwrap_or(0) || (old_length.is_none() && !last_buffer) {
         return None;
     }

@@ -38,7 +38,9 @@ fn broken_and_flat_triangles_are_counted_but_not_kept() {
     let mut quad = QUAD.to_vec();
     quad.extend([[f32::NAN, 0.0, 0.0], [0.0, f32::INFINITY, 0.0], [4.0, 0.0, 0.0]]);
     let position = b.positions(&quad);
-    let indices = b.indices(&[0, 1, 2, /**/ 0, 1, 4, /**/ 0, 5, 1, /**/ 1, 1, 2, /**/ 0, 1, 6, /**/ 3]);
+    let indices = b.indices(&[
+        0, 1, 2, /**/ 0, 1, 4, /**/ 0, 5, 1, /**/ 1, 1, 2, /**/ 0, 1, 6, /**/ 3,
+    ]);
     let b = b.with_primitives(json!([{"attributes": {"POSITION": position}, "indices": indices}]));
     let scene = b.read().unwrap();
     let mesh = &scene.meshes[0];
@@ -117,8 +119,11 @@ fn a_vertex_index_out_of_range_is_an_error() {
 
 #[test]
 fn normalized_and_plain_integers_are_positions() {
-    let shorts: Vec<u8> =
-        [[0_i16, 0, 0], [32767, 0, 0], [0, -32768, 0]].iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    let shorts: Vec<u8> = [[0_i16, 0, 0], [32767, 0, 0], [0, -32768, 0]]
+        .iter()
+        .flatten()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
     for (normalized, unit, low) in [(true, 1.0, -1.0), (false, 32767.0, -32768.0)] {
         let mut b = Builder::new();
         let position = b.accessor(&shorts, 5122, "VEC3", 3);
@@ -165,7 +170,8 @@ fn primitives_and_meshes_may_share_one_accessor() {
     b.node(json!({"mesh": one}));
     b.scene(&[0, 1]);
     let scene = b.read().unwrap();
-    let sizes: Vec<_> = scene.meshes.iter().map(|m| (m.positions.len(), m.triangles.len(), m.bytes)).collect();
+    let sizes: Vec<_> =
+        scene.meshes.iter().map(|m| (m.positions.len(), m.triangles.len(), m.bytes)).collect();
     assert_eq!(sizes, [(4, 2, 48 + 12), (3, 1, 48 + 6)]);
     assert_eq!(points(&scene, 0)[1], points(&scene, 1)[0]);
 }

@@ -45,7 +45,9 @@ fn a_cycle_and_a_second_parent_are_errors() {
     b.node(json!({"children": [2]}));
     b.node(json!({"children": [1]}));
     b.scene(&[0]);
-    assert!(matches!(b.read(), Err(SceneError::Cycle { node: 1, pointer }) if pointer == "/nodes/2/children/0"));
+    assert!(
+        matches!(b.read(), Err(SceneError::Cycle { node: 1, pointer }) if pointer == "/nodes/2/children/0")
+    );
 
     let mut b = Builder::new();
     b.node(json!({"children": [0]}));
@@ -58,11 +60,15 @@ fn a_cycle_and_a_second_parent_are_errors() {
     b.node(json!({}));
     b.scene(&[0, 1]);
     let error = b.read().unwrap_err();
-    assert!(matches!(&error, SceneError::TwoParents { node: 2, pointer } if pointer == "/nodes/1/children/0"));
+    assert!(
+        matches!(&error, SceneError::TwoParents { node: 2, pointer } if pointer == "/nodes/1/children/0")
+    );
 
     // A root that is also a child.
     b.json["scenes"] = json!([{"nodes": [0, 2]}]);
-    assert!(matches!(b.read(), Err(SceneError::TwoParents { node: 2, pointer }) if pointer == "/scenes/0/nodes/1"));
+    assert!(
+        matches!(b.read(), Err(SceneError::TwoParents { node: 2, pointer }) if pointer == "/scenes/0/nodes/1")
+    );
 }
 
 #[test]
@@ -96,10 +102,26 @@ fn broken_references_are_errors_with_their_place() {
         ("/nodes/0", json!({"matrix": [1]}), "/nodes/0/matrix: expected 16 numbers"),
         ("/nodes/1", json!(5), "/nodes/1: expected an object"),
         ("/scenes/0/nodes", json!([9]), "/scenes/0/nodes/0: index 9 is out of range"),
-        ("/meshes/0/primitives/0", json!({"attributes": {"POSITION": 4}}), "/meshes/0/primitives/0/attributes/POSITION"),
-        ("/meshes/0/primitives/0", json!({"attributes": {"POSITION": 0}, "indices": 4}), "/meshes/0/primitives/0/indices"),
-        ("/meshes/0/primitives/0", json!({"attributes": {"POSITION": 0}, "material": 0}), "/meshes/0/primitives/0/material"),
-        ("/meshes/0/primitives/0", json!({"attributes": {"POSITION": 0}, "mode": 7}), "/meshes/0/primitives/0/mode"),
+        (
+            "/meshes/0/primitives/0",
+            json!({"attributes": {"POSITION": 4}}),
+            "/meshes/0/primitives/0/attributes/POSITION",
+        ),
+        (
+            "/meshes/0/primitives/0",
+            json!({"attributes": {"POSITION": 0}, "indices": 4}),
+            "/meshes/0/primitives/0/indices",
+        ),
+        (
+            "/meshes/0/primitives/0",
+            json!({"attributes": {"POSITION": 0}, "material": 0}),
+            "/meshes/0/primitives/0/material",
+        ),
+        (
+            "/meshes/0/primitives/0",
+            json!({"attributes": {"POSITION": 0}, "mode": 7}),
+            "/meshes/0/primitives/0/mode",
+        ),
         ("/accessors/0/count", json!(4), "/meshes/0/primitives/0/attributes/POSITION: "),
     ] {
         let mut broken = Builder::new();

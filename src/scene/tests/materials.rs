@@ -56,15 +56,24 @@ fn mask(scene: &Scene) -> &AlphaMask {
 fn opacity_follows_the_material() {
     for (material, expected) in [
         (json!({}), "opaque"),
-        (json!({"alphaMode": "OPAQUE", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.1]}}), "opaque"),
+        (
+            json!({"alphaMode": "OPAQUE", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.1]}}),
+            "opaque",
+        ),
         (json!({"alphaMode": "BLEND"}), "transparent"),
         (json!({"alphaMode": "SOMETHING"}), "transparent"),
         (json!({"extensions": {"KHR_materials_transmission": {}}}), "opaque"),
         (json!({"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.1}}}), "transparent"),
         (json!({"extensions": {"KHR_materials_volume": {}}}), "transparent"),
         (json!({"alphaMode": "MASK"}), "opaque"),
-        (json!({"alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.4]}}), "nothing"),
-        (json!({"alphaMode": "MASK", "alphaCutoff": 0.3, "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.4]}}), "opaque"),
+        (
+            json!({"alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.4]}}),
+            "nothing",
+        ),
+        (
+            json!({"alphaMode": "MASK", "alphaCutoff": 0.3, "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.4]}}),
+            "opaque",
+        ),
         (json!({"alphaMode": "MASK", "alphaCutoff": 1.1}), "nothing"),
     ] {
         let text = material.to_string();
@@ -89,7 +98,8 @@ fn masks_are_read_from_views_and_data_uris() {
     let mut b = masked(&half_png(), mask_material());
     b.push("samplers", json!({"wrapS": 33071}));
     b.json["textures"][0]["sampler"] = json!(0);
-    let uri = format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(half_png()));
+    let uri =
+        format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(half_png()));
     for image in [b.json["images"][0].clone(), json!({"uri": uri})] {
         b.json["images"][0] = image;
         let scene = b.read().unwrap();
@@ -141,7 +151,8 @@ fn images_of_other_kinds() {
     assert_eq!(kind(&masked(&encode(&rgb), mask_material()).read().unwrap()), "opaque");
     let grey = image::ImageBuffer::from_pixel(2, 2, Luma([0_u16])).into();
     assert_eq!(kind(&masked(&encode(&grey), mask_material()).read().unwrap()), "opaque");
-    let deep = image::ImageBuffer::from_fn(2, 1, |x, _| Rgba([0_u16, 0, 0, if x == 0 { 0x7fff } else { 0x8000 }]));
+    let deep =
+        image::ImageBuffer::from_fn(2, 1, |x, _| Rgba([0_u16, 0, 0, if x == 0 { 0x7fff } else { 0x8000 }]));
     let scene = masked(&encode(&deep.into()), mask_material()).read().unwrap();
     assert_eq!(mask(&scene).passes, [false, true]);
 }
@@ -176,12 +187,21 @@ fn what_cannot_be_tested_hides_nothing() {
     assert_eq!((kind(&scene), noted(&scene, "MASK_ANIMATED")), ("transparent", 1));
 }
 
+/// A PNG chunk of this type and data, with its length and CRC-32.
+fn chunk(content: &[u8]) -> Vec<u8> {
+    let crc = content.iter().fold(u32::MAX, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| (crc >> 1) ^ (0xEDB8_8320 * (crc & 1)))
+    });
+    let length = (content.len() - 4) as u32;
+    [&length.to_be_bytes(), content, &(!crc).to_be_bytes()].concat()
+}
+
 #[test]
 fn textures_with_too_many_texels_are_not_decoded() {
     // 16384 x 8192 texels in a few bytes; only the header is looked at.
-    let mut png = Vec::new();
-    let mut encoder = png::encoder(&mut png);
-    encoder.finish();
+    let mut png = b"\x89PNG\r\n\x1a\n".to_vec();
+    png.extend(chunk(b"IHDR\0\0\x40\0\0\0\x20\0\x08\x06\0\0\0"));
+    png.extend(chunk(b"IDAT"));
     let scene = masked(&png, mask_material()).read().unwrap();
     assert_eq!((kind(&scene), noted(&scene, "MASK_TEXTURE_TOO_LARGE")), ("transparent", 1));
 }
@@ -233,7 +253,8 @@ fn variants_that_disagree_hide_nothing() {
     b.push("materials", json!({"alphaMode": "BLEND"}));
     for (variant, expected) in [(1, "opaque"), (2, "transparent")] {
         let mappings = json!([{"material": variant, "variants": [0]}]);
-        b.json["meshes"][0]["primitives"][0]["extensions"] = json!({"KHR_materials_variants": {"mappings": mappings}});
+        b.json["meshes"][0]["primitives"][0]["extensions"] =
+            json!({"KHR_materials_variants": {"mappings": mappings}});
         assert_eq!(kind(&b.read().unwrap()), expected);
     }
 }

@@ -1,0 +1,59 @@
+//! Boxes of objects, as the engine's loader knows them.
+
+use glam::Vec3;
+use thiserror::Error;
+
+/// Axis-aligned box of one object in tree space, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Smallest corner.
+    pub min: Vec3,
+    /// Largest corner.
+    pub max: Vec3,
+}
+
+/// Why boxes cannot be used.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum BoundsError {
+    /// Not one box per object of the tree: the scene is not the one that was baked.
+    #[error("tree {tree} has {expected} objects, but {found} boxes were given")]
+    Count {
+        /// Index of the tree (0 for a [`crate::Culler`]).
+        tree: usize,
+        /// Boxes given.
+        found: usize,
+        /// Objects in the tree.
+        expected: usize,
+    },
+    /// Not finite, or a minimum above its maximum.
+    #[error("tree {tree}, object {object}: its box is not finite or inside out")]
+    Box {
+        /// Index of the tree (0 for a [`crate::Culler`]).
+        tree: usize,
+        /// Place in tree order.
+        object: usize,
+    },
+    /// Not one list of boxes per tree.
+    #[error("there are {expected} trees, but {found} lists of boxes were given")]
+    Trees {
+        /// Lists given.
+        found: usize,
+        /// Number of trees.
+        expected: usize,
+    },
+}
+
+impl Bounds {
+    /// The box of nothing: any box extends it.
+    pub(crate) const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    pub(crate) fn is_valid(&self) -> bool {
+        self.min.is_finite() && self.max.is_finite() && self.min.cmple(self.max).all()
+    }
+
+    pub(crate) fn extend(&mut self, other: &Self) {
+        self.min = self.min.min(other.min);
+        self.max = self.max.max(other.max);
+    }
+}

@@ -1,0 +1,125 @@
+//! Culls one tree at one place.
+
+use crate::bounds::{Bounds, BoundsError};
+use crate::camera::Camera;
+use crate::query::Settings;
+use crate::traverse::{Boxes, CullStatistics, Hidden, Pass, innermost, parents};
+use crate::tree::Tree;
+use std::sync::Arc;
+
+/// Answers, per camera, which objects of one tree to draw. Memory is allocated by [`Self::new`] and by the first
+/// [`Self::set_hidden`], never by [`Self::cull`].
+#[derive(Debug)]
+pub struct Culler {
+    instance: Instance,
+    visible: Vec<u32>,
+    statistics: CullStatistics,
+}
+
+/// A tree at one place: shared data, and what is hidden there.
+#[derive(Clone, Debug)]
+pub(crate) struct Instance {
+    pub(crate) tree: Arc<Tree>,
+    boxes: Arc<Boxes>,
+    hidden: Option<Box<(Hidden, Above)>>,
+}
+
+/// The way from an object up to its root.
+#[derive(Clone, Debug)]
+struct Above {
+    node_of_object: Vec<Option<u32>>,
+    parents: Vec<Option<u32>>,
+}
+
+impl Culler {
+    /// A culler for `tree`. `bounds` are the boxes of its objects in tree space, in tree order (see
+    /// [`Tree::document_index`]).
+    ///
+    /// # Errors
+    /// [`BoundsError`] if there is not one valid box per object.
+    pub fn new(tree: &Arc<Tree>, bounds: &[Bounds]) -> Result<Self, BoundsError> {
+        let instance = Instance::new(tree, shared_boxes(tree, bounds, 0)?);
+        let visible = Vec::with_capacity(tree.object_count());
+        Ok(Self { instance, visible, statistics: CullStatistics::default() })
+    }
+
+    /// Objects to draw for a camera in tree space (see [`Camera::to_local`]), as places in tree order, ascending.
+    pub fn cull(&mut self, camera: &Camera, settings: &Settings) -> &[u32] {
+        self.visible.clear();
+        self.statistics = self.instance.cull(camera, settings, &mut self.visible);
+        &self.visible
+    }
+
+    /// What the last [`Self::cull`] did.
+    pub fn statistics(&self) -> CullStatistics {
+        self.statistics
+    }
+
+    /// Hides an object or shows it again. While it is hidden it is not drawn, and no sphere around it is trusted: what it
+    /// used to hide may now be seen. Objects that do not exist are ignored.
+    pub fn set_hidden(&mut self, object: u32, hidden: bool) {
+        self.instance.set_hidden(object, hidden);
+    }
+
+    /// The tree.
+    pub fn tree(&self) -> &Arc<Tree> {
+        &self.instance.tree
+    }
+}
+
+/// Checks the boxes of tree number `index`.
+pub(crate) fn shared_boxes(tree: &Tree, bounds: &[Bounds], index: usize) -> Result<Arc<Boxes>, BoundsError> {
+    if bounds.len() != tree.object_count() {
+        let (found, expected) = (bounds.len(), tree.object_count());
+        return Err(BoundsError::Count { tree: index, found, expected });
+    }
+    match bounds.iter().position(|b| !b.is_valid()) {
+        Some(object) => Err(BoundsError::Box { tree: index, object }),
+        None => Ok(Arc::new(Boxes::new(tree, bounds))),
+    }
+}
+
+impl Instance {
+    pub(crate) fn new(tree: &Arc<Tree>, boxes: Arc<Boxes>) -> Self {
+        Self { tree: Arc::clone(tree), boxes, hidden: None }
+    }
+
+    pub(crate) fn cull(&self, camera: &Camera, settings: &Settings, out: &mut Vec<u32>) -> CullStatistics {
+        let hidden = self.hidden.as_ref().map(|both| &both.0);
+        Pass { tree: &self.tree, boxes: &self.boxes, hidden, camera, settings }.run(out)
+    }
+
+    /// `true` if that changed something.
+    pub(crate) fn set_hidden(&mut self, object: u32, hidden: bool) -> bool {
+        if object as usize >= self.tree.object_count() || (!hidden && self.hidden.is_none()) {
+            return false;
+        }
+        let state = &mut self.state().0.objects[object as usize];
+        if *state == hidden {
+            return false;
+        }
+        *state = hidden;
+        self.disturb(object, hidden);
+        true
+    }
+
+    /// Stops trusting the spheres above an object, or takes that back.
+    pub(crate) fn disturb(&mut self, object: u32, disturbed: bool) {
+        let (hidden, above) = self.state();
+        let mut node = above.node_of_object.get(object as usize).copied().flatten();
+        while let Some(index) = node {
+            let count = &mut hidden.below[index as usize];
+            *count = if disturbed { *count + 1 } else { count.saturating_sub(1) };
+            node = above.parents[index as usize];
+        }
+    }
+
+    fn state(&mut self) -> &mut (Hidden, Above) {
+        let tree = &self.tree;
+        self.hidden.get_or_insert_with(|| {
+            let hidden =
+                Hidden { objects: vec![false; tree.object_count()], below: vec![0; tree.nodes().len()] };
+            Box::new((hidden, Above { node_of_object: innermost(tree), parents: parents(tree) }))
+        })
+    }
+}

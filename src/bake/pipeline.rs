@@ -1,0 +1,253 @@
+//! The stages of one tree: rays, hierarchy, sampling, pruning, importance.
+
+use super::choose;
+use super::hierarchy::{self, HierarchyKind};
+use super::options::{BakeOptions, DEFAULT_PRUNE, HierarchyChoice};
+use super::progress::Progress;
+use super::prune;
+use super::rays::RayScene;
+use super::sample::{Ancestry, Areas, Levels, MAX_DEPTH, Target, sample_batch};
+use super::spheres;
+use super::subject::Subject;
+use super::tree::{Hierarchy, Sphere};
+use crate::scene::Mesh;
+use svs_runtime::directions::DirectionSet;
+use svs_runtime::encode::importance_code;
+
+/// Rays of the first batch: it chooses the hierarchy and prunes it.
+const PILOT_RAYS: u64 = 1 << 22;
+
+/// The estimate of missing pixels has to be this many times below the target: measured missing pixels of
+/// perspective views were 1 to 3.6 times the estimate, which is made of parallel rays.
+const ESTIMATE_MARGIN: f64 = 3.0;
+
+/// A baked tree, ready to be encoded.
+#[derive(Clone, Debug)]
+pub struct BakedTree {
+    /// Inner nodes and the order of the members.
+    pub hierarchy: Hierarchy,
+    /// Sphere of each node, tree space.
+    pub spheres: Vec<Sphere>,
+    /// Visible levels by member (document order).
+    pub levels: Levels,
+    /// For each member (document order) the largest visible area in m², for heights 1 to its depth.
+    pub areas: Vec<Vec<f64>>,
+    /// How it came about.
+    pub made: Made,
+}
+
+/// Figures about the making of a tree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Made {
+    /// Hierarchy that was used.
+    pub kind: HierarchyKind,
+    /// Nodes before pruning.
+    pub nodes_before: usize,
+    /// Share that pruning asked for.
+    pub prune: f64,
+    /// Rays traced.
+    pub rays: u64,
+    /// Estimated missing pixels per million covered ones, parallel views from outside.
+    pub missing_ppm: f64,
+}
+
+struct Candidate {
+    kind: HierarchyKind,
+    hierarchy: Hierarchy,
+    spheres: Vec<Sphere>,
+}
+
+/// Bakes one tree. `fits(tree)` says whether its data is small enough; if not, and the share of pruning was not
+/// named, more spheres are given up.
+pub fn bake_tree(
+    subject: &Subject,
+    meshes: &[Mesh],
+    directions: &DirectionSet,
+    options: &BakeOptions,
+    progress: &dyn Progress,
+    fits: &dyn Fn(&BakedTree) -> bool,
+) -> BakedTree {
+    progress.stage("rays", None);
+    let scene = RayScene::new(meshes, &subject.parts);
+
+    progress.stage("hierarchy", None);
+    let kinds: &[HierarchyKind] = match &options.hierarchy {
+        HierarchyChoice::Kind(kind) => std::slice::from_ref(kind),
+        HierarchyChoice::Auto => &[HierarchyKind::Scene, HierarchyKind::Octree, HierarchyKind::Bvh],
+    };
+    let mut candidates: Vec<Candidate> =
+        kinds.iter().map(|&kind| candidate(kind, subject, meshes, options)).collect();
+    let mut targets: Vec<Target> = candidates
+        .iter()
+        .map(|c| Target::new(Ancestry::new(&c.hierarchy), directions.len()))
+        .collect();
+
+    let limit = options.ray_limit();
+    let pilot = PILOT_RAYS.min(limit / 2).max(1);
+    progress.stage("sample", Some(limit));
+    let advance = |rays| progress.advance(rays);
+    let found = sample_batch(&scene, directions, &mut targets, None, pilot, 0, &advance);
+
+    // Choose and prune by what the pilot saw.
+    let share = options.prune.unwrap_or(DEFAULT_PRUNE).clamp(0.0, 1.0);
+    let (best, keep) = candidates
+        .iter()
+        .zip(&targets)
+        .enumerate()
+        .map(|(index, (candidate, target))| {
+            let (cost, keep) = pruned_cost(candidate, target, subject, share);
+            (index, cost, keep)
+        })
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(index, _, keep)| (index, keep))
+        .unwrap_or_default();
+    let chosen = candidates.swap_remove(best);
+    let target = targets.swap_remove(best);
+    drop(targets);
+    let mut rays = found[best].rays;
+    let mut missing_ppm = found[best].missing_ppm() * 0.5;
+    let mut tree = State { spheres: chosen.spheres, hierarchy: chosen.hierarchy, target };
+    let nodes_before = tree.hierarchy.nodes.len();
+    tree.drop_nodes(&keep);
+
+    // Batches double the number of rays, and what is missing falls as one over it.
+    let mut areas = Areas::new(&tree.target.ancestry, directions.len());
+    let mut index = 1;
+    loop {
+        let batch = rays.min(limit.saturating_sub(rays)).max(pilot.min(limit));
+        let found = sample_batch(
+            &scene,
+            directions,
+            std::slice::from_mut(&mut tree.target),
+            Some(&mut areas),
+            batch,
+            index,
+            &advance,
+        )[0];
+        let before = rays;
+        rays += found.rays;
+        index += 1;
+        missing_ppm = if found.seen == 0 { missing_ppm } else { found.missing_ppm() * before as f64 / rays as f64 };
+        if missing_ppm * ESTIMATE_MARGIN <= options.target_ppm() || rays >= limit || found.seen == 0 {
+            break;
+        }
+    }
+
+    progress.stage("prune", None);
+    let unit = scene.radius() * scene.radius();
+    let mut areas: Vec<Vec<f64>> = (0..subject.members.len() as u32)
+        .map(|member| areas.largest(member).into_iter().map(|area| area * unit).collect())
+        .collect();
+    let shares = match options.prune {
+        Some(share) => vec![share.clamp(0.0, 1.0)],
+        None => vec![DEFAULT_PRUNE, 0.1, 0.2, 0.3, 0.5, 1.0],
+    };
+    let mut baked = None;
+    for share in shares {
+        let visible = tree.visible_triangles(subject);
+        let keep = prune::nodes_worth_keeping(&tree.hierarchy, &subject.members, &visible, share);
+        tree.drop_areas(&keep, &mut areas);
+        tree.drop_nodes(&keep);
+        let result = BakedTree {
+            hierarchy: tree.hierarchy.clone(),
+            spheres: tree.spheres.clone(),
+            levels: tree.target.levels.clone(),
+            areas: areas.clone(),
+            made: Made { kind: chosen.kind, nodes_before, prune: share, rays, missing_ppm },
+        };
+        let enough = fits(&result);
+        baked = Some(result);
+        if enough {
+            break;
+        }
+    }
+    // The list of shares is never empty.
+    baked.unwrap_or_else(|| unreachable!("at least one share was tried"))
+}
+
+/// A hierarchy with what has been seen of it.
+struct State {
+    hierarchy: Hierarchy,
+    spheres: Vec<Sphere>,
+    target: Target,
+}
+
+impl State {
+    fn visible_triangles(&self, subject: &Subject) -> Vec<f64> {
+        prune::visible_triangles(
+            &self.hierarchy,
+            &self.target.ancestry,
+            &self.target.levels,
+            &subject.members,
+        )
+    }
+
+    fn drop_nodes(&mut self, keep: &[bool]) {
+        if keep.iter().all(|&k| k) {
+            return;
+        }
+        prune::levels_of_kept(&self.target.ancestry, keep, &mut self.target.levels);
+        // Kept nodes stay in depth-first order, so spheres stay in step.
+        let mut kept = keep.iter();
+        self.spheres.retain(|_| *kept.next().unwrap_or(&false));
+        self.hierarchy = prune::without_dropped(&self.hierarchy, keep);
+        self.target.ancestry = Ancestry::new(&self.hierarchy);
+    }
+
+    /// To be called before `drop_nodes`: keeps the areas of the heights that stay.
+    fn drop_areas(&self, keep: &[bool], areas: &mut [Vec<f64>]) {
+        for (member, areas) in areas.iter_mut().enumerate() {
+            let mut ancestors = self.target.ancestry.ancestors(member as u32);
+            areas.retain(|_| ancestors.next().is_some_and(|node| keep[node as usize]));
+        }
+    }
+}
+
+fn candidate(
+    kind: HierarchyKind,
+    subject: &Subject,
+    meshes: &[Mesh],
+    options: &BakeOptions,
+) -> Candidate {
+    let mut hierarchy = hierarchy::build(kind, &subject.members, &subject.groups);
+    let shallow = prune::nodes_within_depth(&hierarchy, MAX_DEPTH);
+    if !shallow.iter().all(|&k| k) {
+        hierarchy = prune::without_dropped(&hierarchy, &shallow);
+    }
+    let spheres =
+        spheres::spheres(options.spheres, &hierarchy, &subject.members, &subject.parts, meshes);
+    Candidate { kind, hierarchy, spheres }
+}
+
+fn pruned_cost(
+    candidate: &Candidate,
+    target: &Target,
+    subject: &Subject,
+    share: f64,
+) -> (f64, Vec<bool>) {
+    let mut state = State {
+        hierarchy: candidate.hierarchy.clone(),
+        spheres: candidate.spheres.clone(),
+        target: target.clone(),
+    };
+    let visible = state.visible_triangles(subject);
+    let keep = prune::nodes_worth_keeping(&state.hierarchy, &subject.members, &visible, share);
+    state.drop_nodes(&keep);
+    let visible = state.visible_triangles(subject);
+    (choose::cost(&state.hierarchy, &state.spheres, &subject.members, &visible), keep)
+}
+
+impl BakedTree {
+    /// Area that importance code 0 stands for: the largest there is, m².
+    pub fn importance_area(&self) -> f64 {
+        self.areas.iter().flatten().copied().fold(0.0, f64::max)
+    }
+
+    /// Importance codes of a member for heights 1 to its highest level.
+    pub fn importance(&self, member: u32, importance_area: f64) -> impl Iterator<Item = u8> + '_ {
+        let highest = self.levels.row(member).iter().copied().max().unwrap_or(0);
+        self.areas[member as usize][..usize::from(highest)]
+            .iter()
+            .map(move |&area| importance_code(area, importance_area))
+    }
+}

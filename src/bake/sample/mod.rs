@@ -1,0 +1,189 @@
+//! Sampling whole direction bins: lines in many directions, each counted for the bin of its own direction.
+//!
+//! A bin's level is the maximum over its whole spherical cell, so what is stored can be trusted for every
+//! direction of the bin, not only for its centre. Every line is a ray from both of its ends.
+
+mod areas;
+mod levels;
+mod lines;
+pub(crate) mod random;
+mod walk;
+
+#[cfg(test)]
+mod oracle;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use areas::Areas;
+pub use levels::Levels;
+pub use walk::{Ancestry, MAX_DEPTH};
+
+use crate::bake::rays::{LineHit, RayScene};
+use levels::SharedLevels;
+use lines::{Batch, Grid};
+use rayon::prelude::*;
+use svs_runtime::directions::DirectionSet;
+use walk::{End, Walker};
+
+/// Sub-directions per bin in one batch. With fewer, rays within one direction are too alike for the estimate of
+/// what is still missing to be right; with more, grids get small and rays incoherent.
+const SUB_DIRECTIONS: usize = 16;
+
+/// Fewest rays of one direction that are worth a grid of their own.
+const MIN_RAYS_PER_DIRECTION: u64 = 2_048;
+
+/// A hierarchy being sampled.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// Its parents.
+    pub ancestry: Ancestry,
+    /// What has been seen so far.
+    pub levels: Levels,
+}
+
+/// What a batch found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Found {
+    /// Rays traced (two per line).
+    pub rays: u64,
+    /// Rays that saw an object from outside everything.
+    pub seen: u64,
+    /// Those whose object the table did not yet list for their bin: an estimate of what the table, as it was
+    /// before this batch, misses in a parallel view.
+    pub missed: u64,
+}
+
+impl Found {
+    /// Missing pixels per million covered ones, of the table before the batch.
+    pub fn missing_ppm(&self) -> f64 {
+        if self.seen == 0 { 0.0 } else { self.missed as f64 / self.seen as f64 * 1e6 }
+    }
+}
+
+impl Target {
+    /// Nothing seen yet.
+    pub fn new(ancestry: Ancestry, directions: usize) -> Self {
+        let levels = Levels::new(ancestry.members(), directions);
+        Self { ancestry, levels }
+    }
+}
+
+/// Traces one batch of about `rays` rays and raises the levels of all targets by what they see. The same batch
+/// `index` always traces the same rays. `areas`, if given, collects visible areas for the first target.
+pub(crate) fn sample_batch(
+    scene: &RayScene<'_>,
+    directions: &DirectionSet,
+    targets: &mut [Target],
+    mut areas: Option<&mut Areas>,
+    rays: u64,
+    index: u64,
+    advance: &(dyn Fn(u64) + Sync),
+) -> Vec<Found> {
+    let batch = batch(scene, directions, rays, index);
+    let shared: Vec<SharedLevels> = targets.iter().map(|t| SharedLevels::from_levels(&t.levels)).collect();
+    let bins = |grid: &Grid| {
+        [directions.nearest((-grid.direction).as_vec3()), directions.nearest(grid.direction.as_vec3())]
+    };
+    if let Some(areas) = areas.as_deref_mut() {
+        for grid in &batch.grids {
+            for bin in bins(grid) {
+                areas.add_density(bin, grid.density());
+            }
+        }
+    }
+    let areas = areas.as_deref();
+
+    let found = batch
+        .grids
+        .par_iter()
+        .map_init(
+            || (Vec::new(), targets.iter().map(|t| Walker::new(&t.ancestry)).collect::<Vec<_>>()),
+            |(hits, walkers), grid| {
+                let mut found = vec![Found::default(); targets.len()];
+                let [from_start, from_finish] = bins(grid);
+                let mut rays = 0;
+                for point in grid.points() {
+                    rays += 2;
+                    scene.line(point, grid.direction, hits);
+                    if hits.is_empty() {
+                        continue;
+                    }
+                    for (end, bin) in [(End::Start, from_start), (End::Finish, from_finish)] {
+                        sort_away_from(end, hits);
+                        for (index, target) in targets.iter().enumerate() {
+                            let record = Record {
+                                target,
+                                shared: &shared[index],
+                                areas: areas.filter(|_| index == 0),
+                                bin,
+                            };
+                            record.ray(&mut walkers[index], hits, end, &mut found[index]);
+                        }
+                    }
+                }
+                advance(rays);
+                found
+            },
+        )
+        .reduce(
+            || vec![Found::default(); targets.len()],
+            |a, b| a.iter().zip(&b).map(|(a, b)| a.plus(b)).collect(),
+        );
+    for (target, shared) in targets.iter_mut().zip(shared) {
+        target.levels = shared.into_levels();
+    }
+    found.into_iter().map(|f| Found { rays: batch.rays, ..f }).collect()
+}
+
+/// The lines of batch `index`.
+fn batch(scene: &RayScene<'_>, directions: &DirectionSet, rays: u64, index: u64) -> Batch {
+    const SEED: u64 = 0x5356_5300;
+    // Each line counts for two bins.
+    let lines = (directions.len() * SUB_DIRECTIONS / 2)
+        .min((rays / 2 / MIN_RAYS_PER_DIRECTION).max(directions.len() as u64 * 2) as usize);
+    Batch::new(scene.half_size(), lines, rays, SEED, index)
+}
+
+/// Where the observations of a ray go.
+struct Record<'a> {
+    target: &'a Target,
+    shared: &'a SharedLevels,
+    areas: Option<&'a Areas>,
+    bin: usize,
+}
+
+impl Record<'_> {
+    #[inline(always)]
+    fn ray(&self, walker: &mut Walker, hits: &[LineHit], end: End, found: &mut Found) {
+        let ancestry = &self.target.ancestry;
+        walker.walk(ancestry, hits, end, |member, level| {
+            if level == ancestry.depth(member) {
+                found.seen += 1;
+                // Against the table from before the batch: these rays test it, then improve it.
+                found.missed += u64::from(self.target.levels.get(member, self.bin) < level);
+            }
+            self.shared.raise(member, self.bin, level);
+            if let Some(areas) = self.areas {
+                areas.count(member, level, self.bin);
+            }
+        });
+    }
+}
+
+impl Found {
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            seen: self.seen + other.seen,
+            missed: self.missed + other.missed,
+        }
+    }
+}
+
+/// Orders hits away from the viewer; ties by member, so that results do not depend on the traversal.
+fn sort_away_from(end: End, hits: &mut [LineHit]) {
+    match end {
+        End::Start => hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.member.cmp(&b.member))),
+        End::Finish => hits.reverse(),
+    }
+}

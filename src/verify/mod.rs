@@ -1,0 +1,167 @@
+//! Held-out verification: what a baked file draws and misses on cameras that its bake has not seen.
+//!
+//! For each camera an item buffer ([`visible_set`]) gives the exact visible set (EVS): the objects that at least one
+//! pixel shows. Methods are compared with it: the runtime at its default settings (or those the file recommends), at a
+//! sweep of its quality slider, the **published method** ([`PublishedBake`]) and plain frustum culling. The runtime
+//! crate itself answers, so what is measured is what users run. See [`VerifyReport`] for the figures.
+
+mod baked;
+mod cameras;
+mod item_buffer;
+mod methods;
+mod published;
+mod published_bake;
+mod random;
+mod report;
+mod score;
+mod statistics;
+mod tables;
+mod target;
+#[cfg(test)]
+mod tests;
+mod view;
+
+pub use cameras::{CAMERA_GROUPS, CameraGroup, CameraOptions, Surroundings, camera};
+pub use item_buffer::{VisibleSet, visible_set};
+pub use published_bake::{PIXEL_LIMIT, PublishedBake, RESOLUTION, Sampling};
+pub use report::{GroupReport, PublishedReport, TriangleRatios, VerifyReport};
+pub use score::{Frame, Score};
+pub use statistics::{Distribution, interpolate_log, ratio};
+pub use tables::DocumentTables;
+pub use target::Target;
+pub use view::{Frustum, View};
+
+use crate::bake::Progress;
+use crate::bake::rays::RayScene;
+use crate::gltf::Document;
+use crate::scene::SceneError;
+use baked::Baked;
+use methods::Measure;
+use svs_runtime::{BoundsError, DecodeError};
+
+/// What to measure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VerifyOptions {
+    /// Cameras in each of the five groups ([`CAMERA_GROUPS`]).
+    pub cameras: usize,
+    /// Seed of the cameras.
+    pub seed: u64,
+    /// Compare with the published method, too.
+    pub published: bool,
+    /// Pixels per row, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+}
+
+impl Default for VerifyOptions {
+    /// 24 cameras per group at 1280x720, with the published method.
+    fn default() -> Self {
+        Self { cameras: 24, seed: 1, published: true, width: 1280, height: 720 }
+    }
+}
+
+/// Why a file could not be verified.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum VerifyError {
+    /// The file has no baked visibility.
+    #[error("the file holds no baked visibility: run `svs build` on it first")]
+    NotBaked,
+    /// The baked visibility is broken.
+    #[error(
+        "the baked visibility cannot be read ({0}): run `svs validate` for details, or `svs build` again"
+    )]
+    Decode(#[from] DecodeError),
+    /// The scene has changed since it was baked.
+    #[error("tree {tree} was baked from another state of the scene: run `svs build` again")]
+    Stale {
+        /// Index of the tree.
+        tree: usize,
+    },
+    /// The runtime refuses the objects' boxes.
+    #[error("the objects do not fit the baked visibility: {0}")]
+    Bounds(#[from] BoundsError),
+    /// The scene cannot be read.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+/// Measures the baked visibility of `doc` on held-out cameras. The report does not depend on the number of threads.
+///
+/// Objects in no visibility tree (skinned, morphed, …) are ignored in all figures, as occluders too. Trees that move are
+/// measured where the file puts them at rest.
+///
+/// # Errors
+/// See [`VerifyError`].
+pub fn verify(
+    doc: &Document,
+    options: &VerifyOptions,
+    progress: &dyn Progress,
+) -> Result<VerifyReport, VerifyError> {
+    measure(doc, options, true, progress)
+}
+
+/// A quick look for the end of a bake: four cameras per group at 640x360, groups `outside` and `inside`, the default
+/// settings and frustum culling alone.
+///
+/// # Errors
+/// See [`VerifyError`].
+pub fn short(doc: &Document, progress: &dyn Progress) -> Result<VerifyReport, VerifyError> {
+    let options =
+        VerifyOptions { cameras: 4, published: false, width: 640, height: 360, ..VerifyOptions::default() };
+    measure(doc, &options, false, progress)
+}
+
+fn measure(
+    doc: &Document,
+    options: &VerifyOptions,
+    full: bool,
+    progress: &dyn Progress,
+) -> Result<VerifyReport, VerifyError> {
+    let baked = Baked::read(doc)?;
+    let target = Target::new(&baked.scene, &baked.covered());
+    let rays = RayScene::new(&baked.scene.meshes, &target.parts);
+    let mut report = VerifyReport {
+        objects: target.members.len(),
+        triangles: target.members.iter().map(|member| u64::from(member.triangles)).sum(),
+        cameras_per_group: options.cameras,
+        seed: options.seed,
+        width: options.width.max(1),
+        height: options.height.max(1),
+        ..VerifyReport::default()
+    };
+    if target.is_empty() || options.cameras == 0 {
+        return Ok(report);
+    }
+    let published = options.published.then(|| {
+        let size = (RESOLUTION, PIXEL_LIMIT);
+        PublishedBake::new(&target, &baked.scene.meshes, &rays, size, progress)
+    });
+    report.published = published.as_ref().map(|bake| PublishedReport {
+        nodes: bake.hierarchy.nodes.len(),
+        directions: bake.directions.len(),
+        sampling: bake.sampling,
+        resolution: RESOLUTION,
+        entries: bake.vectors.iter().map(Vec::len).sum(),
+    });
+
+    let image = CameraOptions { seed: options.seed, width: report.width, height: report.height };
+    progress.stage("rendering held-out cameras", Some((CAMERA_GROUPS.len() * options.cameras) as u64));
+    let surroundings = target.surroundings();
+    let mut frames = Vec::new();
+    for group in 0..CAMERA_GROUPS.len() {
+        for index in 0..options.cameras {
+            let view = camera(group, index, &surroundings, &image);
+            frames.push((group, Frame::render(&target, &rays, view)));
+            progress.advance(1);
+        }
+    }
+    progress.stage("comparing methods", None);
+    let slider = baked.slider(&target)?;
+    let published = published.as_ref();
+    let measure =
+        Measure { target: &target, frames: &frames, slider, published, recommended: baked.recommended() };
+    report.groups = measure.rows(full);
+    Ok(report)
+}
