@@ -4,4 +4,5 @@ pub mod bake;
 pub mod generate;
 pub mod gltf;
 pub mod scene;
+pub mod validate;
 pub mod verify;
