@@ -80,7 +80,7 @@ pub(crate) struct Build {
     #[arg(long, value_name = "NAME", default_value = "icosahedron-1",
           value_parser = clap::builder::PossibleValuesParser::new(DIRECTION_SETS))]
     pub(crate) directions: String,
-    /// Cast this many rays instead of stopping by estimated error
+    /// Cast at most this many rays [default: by quality]; fewer if the estimated error is small enough before
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
     pub(crate) rays: Option<u64>,
     /// How objects are grouped: the cheapest, the scene's own nodes, a loose octree or a bounding volume hierarchy

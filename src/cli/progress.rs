@@ -39,8 +39,8 @@ impl Progress for Bars {
             return;
         }
         let (length, template) = match total {
-            Some(total) => (Some(total), "{msg:>12} [{wide_bar}] {percent:>3} %  {eta_precise} left"),
-            None => (None, "{msg:>12} {spinner} {elapsed_precise}"),
+            Some(total) => (Some(total), "{msg:27} [{wide_bar}] {percent:>3} %  {eta_precise} left"),
+            None => (None, "{msg:27} {spinner} {elapsed_precise}"),
         };
         let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr());
         if let Ok(style) = ProgressStyle::with_template(template) {

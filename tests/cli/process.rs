@@ -44,6 +44,7 @@ fn an_interrupt_leaves_no_file() {
     let id = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill starts").success());
     let finished = Finished::from(child.wait_with_output().expect("svs ends"));
-    assert_eq!(finished.code, Some(130), "{finished:?}");
+    // On a machine so busy that the handler is not there yet, the signal itself ends the program: no code.
+    assert!(matches!(finished.code, Some(130) | None), "{finished:?}");
     assert_eq!(names(folder.path()), ["city.glb"]);
 }
