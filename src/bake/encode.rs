@@ -73,16 +73,19 @@ pub fn encode_tree(tree: &BakedTree, subject: &Subject, directions: &DirectionSe
 
     let rows: Vec<u8> = order.iter().flat_map(|&m| tree.levels.row(m)).copied().collect();
     let level_bits = level_bits_for(rows.iter().copied().max().unwrap_or(0));
-    let packed = palette(&rows, directions.len(), level_bits);
-    tables.push(bytes("LEVEL_ROW", packed.rows));
-    if let Some(index) = packed.index {
-        tables.push(integers("LEVEL_ROW_INDEX", index.into_iter()));
-    }
-
     let importance_area = tree.importance_area();
-    let importance: Vec<u8> = order.iter().flat_map(|&m| tree.importance(m, importance_area)).collect();
-    if !importance.is_empty() {
-        tables.push(bytes("IMPORTANCE", importance));
+    // Without spheres there are no levels: every object is always a candidate.
+    if !nodes.is_empty() {
+        let packed = palette(&rows, directions.len(), level_bits);
+        tables.push(bytes("LEVEL_ROW", packed.rows));
+        if let Some(index) = packed.index {
+            tables.push(integers("LEVEL_ROW_INDEX", index.into_iter()));
+        }
+        let importance: Vec<u8> =
+            order.iter().flat_map(|&m| tree.importance(m, importance_area)).collect();
+        if !importance.is_empty() {
+            tables.push(bytes("IMPORTANCE", importance));
+        }
     }
 
     EncodedTree {

@@ -156,6 +156,7 @@ pub fn bake_tree(
             made: Made { kind: chosen.kind, nodes_before, prune: share, rays, missing_ppm },
         };
         let enough = fits(&result);
+        if std::env::var("DBG").is_ok() { let sub=subject; let e=super::encode::encode_tree(&result, sub, directions); eprintln!("share {share} nodes {} bits {} {:?}", result.hierarchy.nodes.len(), e.level_bits, e.tables.iter().map(|t|(t.semantic,t.bytes.len())).collect::<Vec<_>>()); }
         baked = Some(result);
         if enough {
             break;

@@ -61,6 +61,12 @@ impl UvTransform {
         (rotated + self.offset).as_vec2()
     }
 
+    /// Whether texture coordinates stay finite in f32, if they are within 1e9 before.
+    fn is_usable(&self) -> bool {
+        // Written so that NaN is out of range.
+        self.offset.abs().max_element() <= 1.0e9 && self.scale.abs().max_element() <= 1.0e9
+    }
+
     /// Bit patterns, so that surfaces with equal transforms can share vertices.
     pub(super) fn key(&self) -> [u64; 5] {
         [self.offset.x, self.offset.y, self.rotation, self.scale.x, self.scale.y].map(f64::to_bits)
@@ -202,6 +208,14 @@ impl Reader<'_> {
         let texture_index = optional_index(texture, "index", "textures", textures, &pointer)?
             .ok_or_else(|| malformed(format!("{pointer}/index"), "a texture index"))?;
         let (tex_coord, transform) = uv_mapping(texture, &pointer)?;
+        if !transform.is_usable() {
+            self.notes.add(
+                "TEXTURE_TRANSFORM_UNUSABLE",
+                "alpha textures have a transform that is not finite or too large: taken as transparent",
+                || pointer,
+            );
+            return Ok(Cover::Transparent);
+        }
         Ok(match self.masks.load(texture_index, alpha, cutoff)? {
             Ok(MaskTexels::AllPass) => Cover::Opaque,
             Ok(MaskTexels::NonePass) => Cover::Nothing,

@@ -5,13 +5,15 @@ use super::bounds::Box3;
 use super::materials::{Cover, MaskTexture, Materials};
 use super::notes::Notes;
 use super::primitives::{MeshPlan, Plan, Primitive};
+use super::shared::Shared;
 use super::surfaces::{Group, Groups};
 use super::vertices::{Positions, VertexSet};
 use super::{Mesh, Opacity, SceneError};
-use crate::gltf::{AccessorKind, Document};
+use crate::gltf::Document;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
 /// Reads all meshes of a plan, each once, in parallel; the result does not depend on the thread count.
@@ -21,12 +23,7 @@ pub(super) fn read(
     materials: &Materials,
     notes: &mut Notes,
 ) -> Result<Vec<Mesh>, SceneError> {
-    let shared: Vec<_> = plan.shared_positions.par_iter().collect();
-    let shared: Vec<Result<_, SceneError>> = shared
-        .into_par_iter()
-        .map(|(&accessor, pointer)| Ok((accessor, Arc::new(Positions::read(doc, accessor, pointer)?))))
-        .collect();
-    let shared: BTreeMap<usize, Arc<Positions>> = shared.into_iter().collect::<Result<_, _>>()?;
+    let shared = Shared::read(doc, plan, materials)?;
     let reader = Reader { doc, materials, shared: &shared };
     // All results first, then the first error in file order: which one a thread meets first is chance.
     let read: Vec<_> = plan.meshes.par_iter().map(|mesh| reader.mesh(mesh)).collect();
@@ -42,16 +39,17 @@ pub(super) fn read(
 struct Reader<'a> {
     doc: &'a Document,
     materials: &'a Materials,
-    shared: &'a BTreeMap<usize, Arc<Positions>>,
+    shared: &'a Shared,
 }
 
-/// A primitive's accessor of positions and how its vertices are mapped to an alpha texture: primitives that
-/// agree in both share their vertices.
+/// POSITION accessor, and TEXCOORD_n accessor and transform for an alpha texture: primitives that agree in
+/// these share their vertices.
 type VertexKey = (usize, Option<(usize, [u64; 5])>);
 
 impl Reader<'_> {
     fn mesh(&self, plan: &MeshPlan) -> Result<(Mesh, Notes), SceneError> {
         let mut notes = Notes::default();
+        let mut decoded: BTreeMap<usize, Arc<Positions>> = BTreeMap::new();
         let mut sets: BTreeMap<VertexKey, VertexSet> = BTreeMap::new();
         let mut positions: Vec<DVec3> = Vec::new();
         let mut uvs: Vec<Vec2> = Vec::new();
@@ -60,102 +58,91 @@ impl Reader<'_> {
         let mut drawn = 0_u64;
 
         for primitive in &plan.primitives {
-            let (double_sided, cover) = self.surface(primitive, &mut notes)?;
-            let key = (primitive.position, cover.mask().map(|m| (m.tex_coord, m.transform.key())));
-            if !sets.contains_key(&key) {
-                let data = self.positions(primitive)?;
-                bounds = bounds.union(data.bounds);
-                if !data.stated_bounds_fit {
-                    notes.add(
-                        "BOUNDS_WRONG",
-                        "POSITION accessors have no usable min and max: computed from the vertices",
-                        || format!("/accessors/{}", primitive.position),
-                    );
+            let (double_sided, cover) = self.surface(primitive, &mut notes);
+            let mapping = cover.mask().and_then(|mask| {
+                let accessor = *primitive.tex_coords.get(&mask.tex_coord)?;
+                let uvs = self.shared.uvs.get(&accessor)?.clone()?;
+                Some((accessor, mask, uvs))
+            });
+            let key = (primitive.position, mapping.as_ref().map(|(uv, mask, _)| (*uv, mask.transform.key())));
+            let set = match sets.entry(key) {
+                Entry::Occupied(entry) => entry.into_mut(),
+                Entry::Vacant(entry) => {
+                    let is_repeated = decoded.contains_key(&primitive.position);
+                    let data = self.positions(primitive, &mut decoded)?;
+                    if !is_repeated {
+                        bounds = bounds.union(data.bounds);
+                        note_bounds(&data, primitive, &mut notes);
+                    }
+                    let is_shared = is_repeated || self.shared.positions.contains_key(&primitive.position);
+                    let uvs = match &mapping {
+                        Some((_, mask, uvs)) => {
+                            same_count(primitive, mask, uvs.len(), data.points.len())?;
+                            Some((Arc::clone(uvs), mask.transform))
+                        }
+                        None => None,
+                    };
+                    entry.insert(VertexSet::new(data, uvs, is_shared))
                 }
-                let set_uvs = match cover.mask() {
-                    Some(mask) => self.uvs(primitive, mask, &data)?,
-                    None => None,
-                };
-                sets.insert(key, VertexSet::new(data, set_uvs));
-            }
-            let Some(set) = sets.get_mut(&key) else { continue };
-            // A mask whose texture coordinates cannot be used hides nothing.
-            let cover = if cover.mask().is_some() && !set.has_uvs() {
+            };
+            let without_uv = cover.mask().is_some() && mapping.is_none();
+            let cover = if without_uv {
                 notes.add(
                     "MASK_WITHOUT_UV",
                     "alpha-tested primitives lack usable texture coordinates: taken as transparent",
                     || primitive.pointer.clone(),
                 );
-                Cover::Transparent
+                &Cover::Transparent
             } else {
                 cover
             };
-            let group = groups.group(double_sided, &cover);
+            let group = groups.group(double_sided, cover);
             drawn += self.triangles(primitive, set, group, &mut positions, &mut uvs, &mut notes)?;
         }
 
         let mesh = assemble(positions, uvs, groups, bounds);
         let bytes = plan.accessors.iter().filter_map(|&index| self.doc.accessor(index).ok());
+        let bytes = bytes.map(|accessor| accessors::bytes(&accessor)).sum();
         let drawn_triangles = u32::try_from(drawn).map_err(|_| SceneError::TooLarge {
             pointer: plan.primitives.first().map(|p| p.pointer.clone()).unwrap_or_default(),
             what: "triangles in one mesh",
             limit: u64::from(u32::MAX),
         })?;
-        let bytes = bytes.map(|accessor| accessors::bytes(&accessor)).sum();
         Ok((Mesh { drawn_triangles, bytes, ..mesh }, notes))
     }
 
     /// Sidedness and cover of a primitive, its vertex colours considered.
-    fn surface(&self, primitive: &Primitive, notes: &mut Notes) -> Result<(bool, Cover), SceneError> {
+    fn surface(&self, primitive: &Primitive, notes: &mut Notes) -> (bool, &Cover) {
         let material = self.materials.resolve(&primitive.materials);
-        if material.alpha_tested
-            && let Some(color) = primitive.color
-            && !matches!(material.cover, Cover::Transparent)
-        {
-            let pointer = format!("{}/attributes/COLOR_0", primitive.pointer);
-            let accessor = open(self.doc, color, &pointer)?;
-            if accessor.kind == AccessorKind::Vec4 {
-                let colors = accessor.read_vec4_f32();
-                let colors = colors.map_err(|source| SceneError::Accessor { pointer, source })?;
-                // 1 as 8-bit codes round it; NaN is not 1.
-                if !colors.iter().all(|color| color.w >= 1.0 - 0.5 / 255.0) {
-                    notes.add(
-                        "MASK_VERTEX_ALPHA",
-                        "alpha-tested primitives have alpha in their vertex colours: taken as transparent",
-                        || primitive.pointer.clone(),
-                    );
-                    return Ok((material.double_sided, Cover::Transparent));
-                }
-            }
+        let color = primitive.color.filter(|_| material.alpha_tested);
+        let is_translucent = color.is_some_and(|color| self.shared.opaque_colors.get(&color) == Some(&false));
+        if is_translucent && !matches!(material.cover, Cover::Transparent) {
+            notes.add(
+                "MASK_VERTEX_ALPHA",
+                "alpha-tested primitives have alpha in their vertex colours: taken as transparent",
+                || primitive.pointer.clone(),
+            );
+            return (material.double_sided, &Cover::Transparent);
         }
-        Ok((material.double_sided, material.cover.clone()))
+        (material.double_sided, &material.cover)
     }
 
-    fn positions(&self, primitive: &Primitive) -> Result<Arc<Positions>, SceneError> {
-        if let Some(shared) = self.shared.get(&primitive.position) {
-            return Ok(Arc::clone(shared));
-        }
-        let pointer = format!("{}/attributes/POSITION", primitive.pointer);
-        Positions::read(self.doc, primitive.position, &pointer).map(Arc::new)
-    }
-
-    /// Texture coordinates as the alpha texture is looked up; `None` if missing or not finite.
-    fn uvs(
+    /// Positions of a primitive, decoded once for the mesh, or once for all that share them.
+    fn positions(
         &self,
         primitive: &Primitive,
-        mask: &MaskTexture,
-        data: &Positions,
-    ) -> Result<Option<Vec<Vec2>>, SceneError> {
-        let Some(&accessor) = primitive.tex_coords.get(&mask.tex_coord) else { return Ok(None) };
-        let pointer = format!("{}/attributes/TEXCOORD_{}", primitive.pointer, mask.tex_coord);
-        let accessor = open(self.doc, accessor, &pointer)?;
-        let (count, expected) = (accessor.count, data.points.len());
-        if count != expected {
-            return Err(SceneError::CountMismatch { pointer, count, expected });
-        }
-        let uvs = accessor.read_vec2_f32().map_err(|source| SceneError::Accessor { pointer, source })?;
-        let uvs: Vec<Vec2> = uvs.into_iter().map(|uv| mask.transform.apply(uv)).collect();
-        Ok(uvs.iter().all(|uv| uv.is_finite()).then_some(uvs))
+        decoded: &mut BTreeMap<usize, Arc<Positions>>,
+    ) -> Result<Arc<Positions>, SceneError> {
+        Ok(Arc::clone(match decoded.entry(primitive.position) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => entry.insert(match self.shared.positions.get(&primitive.position) {
+                Some(shared) => Arc::clone(shared),
+                None => {
+                    let pointer = format!("{}/attributes/POSITION", primitive.pointer);
+                    Arc::new(Positions::read(self.doc, primitive.position, &pointer)?)
+                }
+            }),
+        }))
     }
 
     /// Adds the triangles of a primitive that can be hit; returns how many it has in all.
@@ -223,6 +210,29 @@ impl Reader<'_> {
         });
         Ok(count as u64)
     }
+}
+
+fn note_bounds(data: &Positions, primitive: &Primitive, notes: &mut Notes) {
+    if !data.stated_bounds_fit {
+        notes.add(
+            "BOUNDS_WRONG",
+            "POSITION accessors have no usable min and max: computed from the vertices",
+            || format!("/accessors/{}", primitive.position),
+        );
+    }
+}
+
+fn same_count(
+    primitive: &Primitive,
+    mask: &MaskTexture,
+    count: usize,
+    expected: usize,
+) -> Result<(), SceneError> {
+    if count == expected {
+        return Ok(());
+    }
+    let pointer = format!("{}/attributes/TEXCOORD_{}", primitive.pointer, mask.tex_coord);
+    Err(SceneError::CountMismatch { pointer, count, expected })
 }
 
 /// Repeated corners or corners in one line.

@@ -13,6 +13,7 @@ mod nodes;
 mod notes;
 mod primitives;
 pub mod read;
+mod shared;
 mod surfaces;
 #[cfg(test)]
 mod tests;

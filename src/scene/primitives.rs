@@ -59,6 +59,7 @@ pub(super) fn plan(doc: &Document, meshes: &[usize], notes: &mut Notes) -> Resul
     let bytes = doc.buffer_bytes();
     let limit = FREE_CORNERS.saturating_add(bytes.saturating_mul(64));
     let mut corners = 0_u64;
+    let mut counted_uvs = BTreeSet::new();
     for (m, &mesh) in meshes.iter().enumerate() {
         let mesh_plan = plan_mesh(doc, mesh, notes)?;
         for primitive in &mesh_plan.primitives {
@@ -70,6 +71,12 @@ pub(super) fn plan(doc: &Document, meshes: &[usize], notes: &mut Notes) -> Resul
                 None => vertices,
             };
             corners = corners.saturating_add(indices);
+            for &accessor in primitive.tex_coords.values() {
+                if counted_uvs.insert(accessor) {
+                    let count = doc.accessor(accessor).map_or(0, |accessor| accessor.count as u64);
+                    corners = corners.saturating_add(count);
+                }
+            }
             match first_user.get(&primitive.position) {
                 Some((user, pointer)) if *user != m => {
                     plan.shared_positions.entry(primitive.position).or_insert_with(|| pointer.clone());

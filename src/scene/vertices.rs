@@ -3,6 +3,7 @@
 use super::SceneError;
 use super::accessors::open;
 use super::bounds::Box3;
+use super::materials::UvTransform;
 use crate::gltf::{Accessor, ComponentType, Document};
 use glam::{DVec3, Vec2};
 use std::collections::HashMap;
@@ -63,7 +64,7 @@ fn fraction(accessor: &Accessor<'_>, stored: f64) -> f64 {
 #[derive(Debug)]
 pub(super) struct VertexSet {
     data: Arc<Positions>,
-    uvs: Option<Vec<Vec2>>,
+    uvs: Option<(Arc<Vec<Vec2>>, UvTransform)>,
     places: Places,
 }
 
@@ -77,12 +78,16 @@ enum Places {
 
 const NO_PLACE: u32 = u32::MAX;
 
-/// Accessors up to this length, or in use by one mesh only, get a table.
+/// Accessors up to this length, or in use by one set only, get a table.
 const SMALL: usize = 1 << 12;
 
 impl VertexSet {
-    pub(super) fn new(data: Arc<Positions>, uvs: Option<Vec<Vec2>>) -> VertexSet {
-        let is_shared = Arc::strong_count(&data) > 1;
+    /// `uvs` are as many as `data` has points; `is_shared`: other sets use the same data.
+    pub(super) fn new(
+        data: Arc<Positions>,
+        uvs: Option<(Arc<Vec<Vec2>>, UvTransform)>,
+        is_shared: bool,
+    ) -> VertexSet {
         let places = if is_shared && data.points.len() > SMALL {
             Places::Map(HashMap::new())
         } else {
@@ -93,10 +98,6 @@ impl VertexSet {
 
     pub(super) fn vertex_count(&self) -> usize {
         self.data.points.len()
-    }
-
-    pub(super) fn has_uvs(&self) -> bool {
-        self.uvs.is_some()
     }
 
     /// Position of a vertex (in range).
@@ -119,7 +120,8 @@ impl VertexSet {
         if *slot == NO_PLACE {
             *slot = u32::try_from(positions.len()).ok().filter(|&place| place != NO_PLACE)?;
             positions.push(self.data.points[vertex as usize]);
-            uvs.push(self.uvs.as_ref().map_or(Vec2::ZERO, |uvs| uvs[vertex as usize]));
+            let uv = |(uvs, transform): &(Arc<Vec<Vec2>>, UvTransform)| transform.apply(uvs[vertex as usize]);
+            uvs.push(self.uvs.as_ref().map_or(Vec2::ZERO, uv));
         }
         Some(*slot)
     }

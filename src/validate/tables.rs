@@ -6,6 +6,7 @@ use crate::gltf::Document;
 use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use svs_runtime::{AccessorSource, AccessorView};
 
 /// Together, tables may be so many times as large as the file's buffers: trees may share tables, but a small file
@@ -72,17 +73,17 @@ pub(super) fn read<'a>(
             }
             let Some(index) = index.as_u64() else { continue };
             let index = usize::try_from(index).unwrap_or(usize::MAX);
-            if !tables.accessors.contains_key(&index) {
-                match open(doc, index) {
-                    Ok(stored) => _ = tables.accessors.insert(index, stored),
+            let length = match tables.accessors.entry(index) {
+                Entry::Occupied(stored) => stored.get().bytes.len(),
+                Entry::Vacant(place) => match open(doc, index) {
+                    Ok(stored) => place.insert(stored).bytes.len(),
                     Err((code, message)) => {
                         report.error(code, pointer(), message);
                         continue;
                     }
-                }
-            }
-            let length = tables.accessors.get(&index).map_or(0, |stored| stored.bytes.len() as u64);
-            let Some(rest) = allowed.checked_sub(length) else {
+                },
+            };
+            let Some(rest) = allowed.checked_sub(length as u64) else {
                 let message = "The trees share tables so often that they cannot be checked.".to_owned();
                 report.error("TABLES_TOO_LARGE", pointer(), message);
                 return None;

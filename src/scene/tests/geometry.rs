@@ -220,3 +220,25 @@ fn a_small_file_cannot_ask_for_endless_triangles() {
     let b = b.with_primitives(json!(primitives));
     assert!(matches!(b.read(), Err(SceneError::TooLarge { .. })));
 }
+
+#[test]
+fn meshes_pick_their_vertices_from_one_big_accessor() {
+    let mut b = Builder::new();
+    let all: Vec<[f32; 3]> = (0..9000_u16).map(|i| [f32::from(i), f32::from((i % 3).pow(2)), 0.0]).collect();
+    let position = b.positions(&all);
+    for first in [0, 6000] {
+        let indices = b.indices(&[first, first + 1, first + 2, first + 1, first + 3, first + 2]);
+        let mesh = b.mesh(json!([{"attributes": {"POSITION": position}, "indices": indices}]));
+        b.node(json!({"mesh": mesh}));
+    }
+    b.scene(&[0, 1]);
+    let scene = b.read().unwrap();
+    for (mesh, first) in [(0, 0.0), (1, 6000.0)] {
+        assert_eq!(scene.meshes[mesh].positions.len(), 4);
+        assert_eq!(
+            points(&scene, mesh)[1],
+            [[first + 1.0, 1.0, 0.0], [first + 3.0, 0.0, 0.0], [first + 2.0, 4.0, 0.0]]
+        );
+        assert_eq!(scene.meshes[mesh].max.x, 8999.0, "the box a loader sees");
+    }
+}

@@ -258,3 +258,37 @@ fn variants_that_disagree_hide_nothing() {
         assert_eq!(kind(&b.read().unwrap()), expected);
     }
 }
+
+#[test]
+fn primitives_that_share_positions_keep_their_own_texture_coordinates() {
+    let mut b = masked(&half_png(), mask_material());
+    let other = b.floats(&[[5.0, 5.0], [6.0, 5.0], [5.0, 6.0]]);
+    let first = b.json["meshes"][0]["primitives"][0].clone();
+    let mut second = first.clone();
+    second["attributes"]["TEXCOORD_0"] = json!(other);
+    b.json["meshes"][0]["primitives"] = json!([first, second]);
+    let scene = b.read().unwrap();
+    let mesh = &scene.meshes[0];
+    let corner = |triangle: usize| mesh.uvs[mesh.triangles[triangle][0] as usize];
+    assert_eq!((corner(0), corner(1)), (Vec2::ZERO, Vec2::splat(5.0)));
+    assert_eq!(mesh.surfaces.len(), 1, "the same material");
+}
+
+#[test]
+fn unusable_texture_coordinates_hide_nothing() {
+    let mut b = masked(&half_png(), mask_material());
+    let broken = b.floats(&[[0.0, 0.0], [f32::NAN, 0.0], [0.0, 1.0]]);
+    let short = b.floats(&[[0.0, 0.0]; 2]);
+    let uv = "/meshes/0/primitives/0/attributes/TEXCOORD_0";
+    *b.json.pointer_mut(uv).unwrap() = json!(broken);
+    let scene = b.read().unwrap();
+    assert_eq!((kind(&scene), noted(&scene, "MASK_WITHOUT_UV")), ("transparent", 1));
+    *b.json.pointer_mut(uv).unwrap() = json!(short);
+    assert!(b.error().starts_with(uv), "{}", b.error());
+
+    let mut b = masked(&half_png(), mask_material());
+    let transform = json!({"KHR_texture_transform": {"scale": [1e300, 1]}});
+    b.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = transform;
+    let scene = b.read().unwrap();
+    assert_eq!((kind(&scene), noted(&scene, "TEXTURE_TRANSFORM_UNUSABLE")), ("transparent", 1));
+}

@@ -205,3 +205,15 @@ fn the_document_that_is_damaged_is_sound() {
     assert_eq!((scene.objects.len(), scene.meshes.len()), (4, 2));
     assert!(scene.notes.is_empty(), "{:?}", scene.notes);
 }
+
+#[test]
+fn results_do_not_depend_on_the_thread_count() {
+    let mut b = rich();
+    b.json["meshes"][1]["primitives"].as_array_mut().unwrap().push(json!({"mode": 0}));
+    let doc = b.document();
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        format!("{:?}", pool.install(|| read_scene(&doc, &ReadOptions::default())).unwrap())
+    };
+    assert_eq!(with(1), with(4));
+}

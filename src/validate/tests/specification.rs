@@ -71,14 +71,14 @@ type Base = HashMap<&'static str, (Vec<DVec3>, Vec<[usize; 3]>)>;
 /// The base sets as the text lists them.
 fn base() -> Base {
     let mut sets = Base::new();
-    for row in table("the base sets are, in this order:") {
+    for row in table("are, in this order:") {
         let mut list = vectors(row[1]);
         if row[1].starts_with("the eight of `cube`") {
             list.splice(0..0, sets["cube"].0.clone());
         }
         sets.insert(row[0].trim_matches('`'), (list, Vec::new()));
     }
-    for row in table("each counter-clockwise seen from outside:") {
+    for row in table("counter-clockwise seen from outside:") {
         let triangle = |text: &str| -> [usize; 3] {
             let corners: Vec<usize> = text.split(' ').map(|corner| corner.parse().unwrap()).collect();
             corners.try_into().unwrap()
