@@ -1,3 +1,9 @@
-//! The `svs` command.
+//! The `svs` command: bakes direction-dependent visibility into glTF scenes.
 
-fn main() {}
+mod cli;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::main()
+}

@@ -1,3 +1,46 @@
 //! Developer commands: `cargo xtask test`, `cargo xtask bench scenes`.
 
-fn main() {}
+mod bench;
+mod khronos;
+mod run;
+mod table;
+mod test;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+Developer commands of svs
+
+Usage: cargo xtask <COMMAND>
+
+Commands:
+  test          formatting, lints and all tests, the Khronos validator among them; installs what is missing
+  bench scenes  bake, validate and verify the public scenes and print the table of the README
+      --quality draft|standard|high   quality of the bake (default: standard)
+      --cameras N                     cameras per group of views (default: as `svs verify`)
+      --only NAME                     only scenes whose name contains NAME
+      --scenes FOLDER                 where the scenes are (default: ../shared/scenes)
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let result = match words.as_slice() {
+        ["test"] => test::test(),
+        ["bench", "scenes", rest @ ..] => {
+            bench::Options::parse(rest).and_then(|options| bench::scenes(&options))
+        }
+        [] | ["help" | "-h" | "--help", ..] => {
+            print!("{USAGE}");
+            Ok(())
+        }
+        _ => Err(format!("unknown command `{}`\n\n{USAGE}", words.join(" "))),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("xtask: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! The command line as typed. What the values mean together is checked in [`super::options`].
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use svs::generate::SampleKind;
+use svs_runtime::directions::DIRECTION_SETS;
+
+/// Bakes direction-dependent visibility into glTF scenes (EXT_spherical_visibility), so that a viewer can skip
+/// what cannot be seen without asking the GPU.
+#[derive(Debug, Parser)]
+#[command(
+    name = "svs",
+    version,
+    propagate_version = true,
+    max_term_width = 110,
+    after_help = "\
+Examples:
+  svs build plant.glb -o plant.svs.glb      bake with standard quality
+  svs info plant.svs.glb                    what the file holds
+  svs verify plant.svs.glb                  what it is worth, on cameras the bake has not seen
+  svs help build                            all options of a command
+
+Exit codes: 0 done; 1 bad input, failed validation or a file that cannot be written; 2 wrong usage."
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// What every command understands.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Common {
+    /// Print the result as JSON on standard output
+    #[arg(long, global = true, display_order = 100)]
+    pub(crate) json: bool,
+    /// Print nothing but errors (and the JSON of --json)
+    #[arg(short, long, global = true, display_order = 101)]
+    pub(crate) quiet: bool,
+    /// Threads to use [default: all cores]. The result does not depend on it
+    #[arg(long, value_name = "N", global = true, display_order = 102, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) threads: Option<u32>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Build(Build),
+    Info(Info),
+    Validate(Validate),
+    Verify(Verify),
+    Sample(Sample),
+    Strip(Strip),
+}
+
+/// Bake a scene: adds visibility to a copy of IN
+///
+/// Everything else in the file stays as it is, byte for byte. An earlier bake is replaced.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  svs build plant.glb -o plant.svs.glb
+  svs build plant.gltf -o baked/plant.gltf --quality high --report report.json
+  svs build plant.glb -o plant.glb --max-missing 20       bake in place, at most 20 missing pixels per million
+  svs build city.glb -o city.svs.glb --directions icosahedron-2 --hierarchy octree --json")]
+pub(crate) struct Build {
+    /// Scene to bake: .glb, or .gltf with external or data-URI buffers
+    #[arg(value_name = "IN")]
+    pub(crate) input: PathBuf,
+    /// File to write: .glb or .gltf; may be IN
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// How few pixels may be missing [default: standard]
+    #[arg(long, value_enum, value_name = "QUALITY", conflicts_with = "max_missing")]
+    pub(crate) quality: Option<QualityName>,
+    /// Sample until at most this many pixels per million are estimated to be missing, seen from outside
+    #[arg(long, value_name = "PPM", value_parser = positive)]
+    pub(crate) max_missing: Option<f64>,
+    /// Set of directions that visibility is stored for
+    #[arg(long, value_name = "NAME", default_value = "icosahedron-1",
+          value_parser = clap::builder::PossibleValuesParser::new(DIRECTION_SETS))]
+    pub(crate) directions: String,
+    /// Cast at most this many rays [default: by quality]; fewer if the estimated error is small enough before
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
+    pub(crate) rays: Option<u64>,
+    /// How objects are grouped: the cheapest, the scene's own nodes, a loose octree or a bounding volume hierarchy
+    #[arg(long, value_enum, value_name = "KIND", default_value_t)]
+    pub(crate) hierarchy: HierarchyName,
+    /// Bounding spheres: quick ones, or nearly the smallest
+    #[arg(long, value_enum, value_name = "KIND", default_value_t)]
+    pub(crate) spheres: SpheresName,
+    /// Keep only spheres that cull at least this share (0 to 1) beyond what those below them do [default: chosen]
+    #[arg(long, value_name = "X", value_parser = share)]
+    pub(crate) prune: Option<f64>,
+    /// Write the full report to this file too
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+/// Show what is in a baked file: trees, spheres, directions, bytes, what each level culls
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  svs info plant.svs.glb
+  svs info plant.svs.glb --json")]
+pub(crate) struct Info {
+    /// File to look at
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+}
+
+/// Check the extension against its schema and against the scene; exit code 1 on errors
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  svs validate plant.svs.glb
+  svs validate plant.svs.glb --json         one object per finding: code, severity, message, pointer")]
+pub(crate) struct Validate {
+    /// File to check
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+}
+
+/// Measure a baked file on cameras the bake has not seen: missing pixels, triangles drawn
+///
+/// Perspective cameras of 1280 x 720 pixels and 60 degrees, outside (1.05 to 10 radii) and standing inside, against
+/// the exact visible sets; the default query, a sweep of the quality slider, and the published method.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  svs verify plant.svs.glb
+  svs verify plant.svs.glb --cameras 64 --seed 7 --json")]
+pub(crate) struct Verify {
+    /// Baked file to measure
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Cameras per group [default: chosen]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) cameras: Option<u32>,
+    /// Where the cameras stand follows from this number
+    #[arg(long, value_name = "S")]
+    pub(crate) seed: Option<u64>,
+}
+
+/// Write a generated sample scene; the same numbers give the same bytes
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  svs sample plant -o plant.glb
+  svs sample city --scale 4 --seed 7 -o city.glb")]
+pub(crate) struct Sample {
+    /// What to generate
+    #[arg(value_enum, value_name = "KIND")]
+    pub(crate) kind: SampleKind,
+    /// File to write: .glb or .gltf
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Size of the scene: about this many times the objects of the default
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
+    pub(crate) scale: f64,
+    /// Start of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 7)]
+    pub(crate) seed: u64,
+}
+
+/// Remove the baked visibility: gives back the file as it was before `svs build`
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  svs strip plant.svs.glb -o plant.glb")]
+pub(crate) struct Strip {
+    /// Baked file
+    #[arg(value_name = "IN")]
+    pub(crate) input: PathBuf,
+    /// File to write: .glb or .gltf; may be IN
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum QualityName {
+    Draft,
+    Standard,
+    High,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum HierarchyName {
+    #[default]
+    Auto,
+    Scene,
+    Octree,
+    Bvh,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SpheresName {
+    Simple,
+    #[default]
+    Tight,
+}
+
+/// A finite number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("a number above 0 is needed".to_owned()),
+    }
+}
+
+/// A share, 0 to 1.
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("a share from 0 to 1 is needed, such as 0.05".to_owned()),
+    }
+}

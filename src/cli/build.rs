@@ -1,0 +1,99 @@
+//! `svs build`: bakes a scene.
+
+use super::args::{Build, Common};
+use super::error::Failure;
+use super::options::BuildOptions;
+use super::output::{self, bytes, count, counted, number, percent, ratio};
+use super::progress::Bars;
+use super::{file, memory};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::path::Path;
+use std::time::Instant;
+use svs::bake::BakeReport;
+
+pub(crate) fn run(args: &Build, common: &Common) -> Result<(), Failure> {
+    let options = BuildOptions::try_from(args)?;
+    let start = Instant::now();
+    let bars = Bars::new(common.quiet);
+    let mut document = file::read(&options.input)?;
+    let report = svs::bake::build(&mut document, &options.bake, &bars)
+        .map_err(|error| Failure::doing("bake", &options.input, &error))?;
+    file::write(&document, &options.output)?;
+    bars.clear();
+    let seconds = start.elapsed().as_secs_f64();
+
+    let json = to_json(&report, &options, seconds);
+    if let Some(path) = &options.report {
+        file::write_json(&json, path)?;
+    }
+    output::print(common, &json, &to_text(&report, &options.output, seconds))
+}
+
+/// The whole report: the bake's own, and what only the command knows.
+fn to_json(report: &BakeReport, options: &BuildOptions, seconds: f64) -> Value {
+    let mut json = json!({
+        "input": options.input.display().to_string(),
+        "output": options.output.display().to_string(),
+        "wall_seconds": seconds,
+        "peak_memory_bytes": memory::peak(),
+    });
+    if let (Some(all), Ok(Value::Object(baked))) = (json.as_object_mut(), serde_json::to_value(report)) {
+        all.extend(baked);
+    }
+    json
+}
+
+/// The short report: what was gained and what is missing first, then what it cost.
+fn to_text(report: &BakeReport, output: &Path, seconds: f64) -> String {
+    let mut missing = format!("{} ppm estimated", number(report.estimated_missing_ppm));
+    let mut drawn = Vec::new();
+    let mut measured = Vec::new();
+    for group in report.verification.iter().flat_map(|verification| &verification.groups) {
+        if group.method == "default" {
+            measured.push(format!("{} ppm {}", number(group.missing_ppm.mean), group.group));
+            drawn.push(format!("{} {}", percent(group.triangles.over_frustum), group.group));
+        }
+    }
+    if !measured.is_empty() {
+        let _ = write!(missing, "; measured {}", measured.join(", "));
+    }
+    let kept: u64 = report.trees.iter().map(|tree| tree.nodes_kept as u64).sum();
+    let before: u64 = report.trees.iter().map(|tree| tree.nodes_before as u64).sum();
+    let mut rows = vec![("missing pixels", missing)];
+    if !drawn.is_empty() {
+        rows.push(("triangles", format!("{} of those in the view frustum are drawn", drawn.join(", "))));
+    }
+    rows.push((
+        "objects",
+        format!("{}, {}", count(report.objects as u64), counted(report.triangles, "triangle")),
+    ));
+    rows.push((
+        "spheres",
+        format!(
+            "{} kept of {}, in {}",
+            count(kept),
+            count(before),
+            counted(report.trees.len() as u64, "tree")
+        ),
+    ));
+    rows.push((
+        "added",
+        format!(
+            "{}, {} of the geometry, {} bytes per object",
+            bytes(report.bytes_added),
+            percent(ratio(report.bytes_added, report.geometry_bytes)),
+            number(ratio(report.bytes_added, report.objects as u64)),
+        ),
+    ));
+    rows.push(("rays", count(report.rays)));
+    let mut text =
+        format!("{} written in {} s\n\n{}", output.display(), number(seconds), output::fields(&rows));
+    if !report.notes.is_empty() {
+        text += "\nnotes\n";
+        for note in &report.notes {
+            let _ = writeln!(text, "  {} x {}", count(note.count as u64), note.message);
+        }
+    }
+    text
+}

@@ -1,0 +1,58 @@
+//! What the arguments of `svs build` mean: checked, and in the library's own types.
+
+use super::args::{Build, HierarchyName, QualityName, SpheresName};
+use super::error::Failure;
+use super::file;
+use std::path::PathBuf;
+use svs::bake::hierarchy::HierarchyKind;
+use svs::bake::spheres::SphereKind;
+use svs::bake::{BakeOptions, HierarchyChoice, Quality};
+
+/// A build that can begin.
+#[derive(Debug)]
+pub(crate) struct BuildOptions {
+    pub(crate) input: PathBuf,
+    pub(crate) output: PathBuf,
+    pub(crate) report: Option<PathBuf>,
+    pub(crate) bake: BakeOptions,
+}
+
+impl TryFrom<&Build> for BuildOptions {
+    type Error = Failure;
+
+    fn try_from(args: &Build) -> Result<Self, Failure> {
+        file::check_output(&args.output)?;
+        if let Some(report) = &args.report {
+            if *report == args.output || *report == args.input {
+                return Err(Failure::Usage(format!(
+                    "--report {} would overwrite the scene; name another file",
+                    report.display()
+                )));
+            }
+            file::check_folder(report)?;
+        }
+        let bake = BakeOptions {
+            quality: match args.quality {
+                Some(QualityName::Draft) => Quality::Draft,
+                Some(QualityName::Standard) | None => Quality::Standard,
+                Some(QualityName::High) => Quality::High,
+            },
+            max_missing_ppm: args.max_missing,
+            directions: args.directions.clone(),
+            rays: args.rays,
+            hierarchy: match args.hierarchy {
+                HierarchyName::Auto => HierarchyChoice::Auto,
+                HierarchyName::Scene => HierarchyChoice::Kind(HierarchyKind::Scene),
+                HierarchyName::Octree => HierarchyChoice::Kind(HierarchyKind::Octree),
+                HierarchyName::Bvh => HierarchyChoice::Kind(HierarchyKind::Bvh),
+            },
+            spheres: match args.spheres {
+                SpheresName::Simple => SphereKind::Simple,
+                SpheresName::Tight => SphereKind::Tight,
+            },
+            prune: args.prune,
+            ..BakeOptions::default()
+        };
+        Ok(Self { input: args.input.clone(), output: args.output.clone(), report: args.report.clone(), bake })
+    }
+}

@@ -1,0 +1,278 @@
+//! `cargo xtask bench scenes`: bakes, validates and verifies the public scenes and prints the README's table.
+
+use crate::table::{count, markdown, median, short};
+use crate::{khronos, run};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Methods in the report of `svs verify --json`: ours as it comes, ours with as many triangles as the published
+/// method draws, and the published method.
+const DEFAULT: &str = "default";
+const EQUAL: &str = "at published triangles";
+const PUBLISHED: &str = "published";
+
+/// What to run.
+#[derive(Debug)]
+pub(crate) struct Options {
+    quality: String,
+    cameras: Option<String>,
+    only: String,
+    scenes: PathBuf,
+}
+
+impl Options {
+    pub(crate) fn parse(words: &[&str]) -> Result<Self, String> {
+        let mut options = Self {
+            quality: "standard".to_owned(),
+            cameras: None,
+            only: String::new(),
+            scenes: run::root().join("../shared/scenes"),
+        };
+        let mut words = words.iter();
+        while let Some(&word) = words.next() {
+            let mut value = || words.next().map(|&v| v.to_owned()).ok_or(format!("{word} needs a value"));
+            match word {
+                "--quality" => options.quality = value()?,
+                "--cameras" => options.cameras = Some(value()?),
+                "--only" => options.only = value()?,
+                "--scenes" => options.scenes = value()?.into(),
+                _ => return Err(format!("unknown option `{word}` of `bench scenes`")),
+            }
+        }
+        Ok(options)
+    }
+}
+
+/// Runs everything; scenes that fail are named at the end, after the table of the others.
+pub(crate) fn scenes(options: &Options) -> Result<(), String> {
+    run::step("build svs", run::cargo().args(["build", "--release", "--package", "svs", "--bin", "svs"]))?;
+    let folder = run::target().join("bench");
+    std::fs::create_dir_all(&folder)
+        .map_err(|error| format!("cannot create {}: {error}", folder.display()))?;
+    let mut results = Vec::new();
+    let mut failed = Vec::new();
+    for (name, file) in find_scenes(options)? {
+        eprintln!("== {name}");
+        match measure(options, &file, &folder.join(format!("{name}.svs.glb"))) {
+            Ok(mut result) => {
+                result["scene"] = name.into();
+                results.push(result);
+            }
+            Err(error) => failed.push(format!("{name}: {error}")),
+        }
+        // After each scene: an interrupted run loses nothing.
+        let all = json!({ "quality": options.quality, "scenes": results });
+        let path = folder.join("scenes.json");
+        std::fs::write(&path, format!("{all:#}\n"))
+            .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+    }
+    println!("{}", report(&results));
+    if failed.is_empty() { Ok(()) } else { Err(format!("not all scenes passed\n{}", failed.join("\n"))) }
+}
+
+/// Name and file of each scene: a folder's GLB.
+fn find_scenes(options: &Options) -> Result<Vec<(String, PathBuf)>, String> {
+    let entries = |folder: &Path| -> Result<Vec<PathBuf>, String> {
+        let list = std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        let mut paths: Vec<PathBuf> = list.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
+        paths.sort();
+        Ok(paths)
+    };
+    let mut scenes = Vec::new();
+    for folder in entries(&options.scenes)? {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if !folder.is_dir() || !name.contains(&options.only) {
+            continue;
+        }
+        let glb = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "glb");
+        scenes.extend(entries(&folder)?.into_iter().find(glb).map(|file| (name, file)));
+    }
+    if scenes.is_empty() {
+        return Err(format!("no scene matches in {}", options.scenes.display()));
+    }
+    Ok(scenes)
+}
+
+/// Bakes one scene, checks the result with both validators, measures it.
+fn measure(options: &Options, input: &Path, output: &Path) -> Result<Value, String> {
+    let svs =
+        || Command::new(run::target().join("release").join(format!("svs{}", std::env::consts::EXE_SUFFIX)));
+    let build = run::json(svs().arg("build").arg(input).arg("-o").arg(output).args([
+        "--quality",
+        &options.quality,
+        "--json",
+    ]))?;
+    let validation = run::json(svs().arg("validate").arg(output).arg("--json"))?;
+    let khronos = if khronos::installed() {
+        let (before, after) = (khronos::validate(input)?, khronos::validate(output)?);
+        if before == (0, 0) && after != (0, 0) {
+            return Err(format!("the Khronos validator finds {} errors and {} warnings", after.0, after.1));
+        }
+        json!({ "errors": after.0, "warnings": after.1 })
+    } else {
+        eprintln!("the Khronos validator is not there (`cargo xtask test` installs it): not run");
+        Value::Null
+    };
+    let mut verify = svs();
+    verify.arg("verify").arg(output).arg("--json");
+    if let Some(cameras) = &options.cameras {
+        verify.args(["--cameras", cameras]);
+    }
+    let verify = run::json(&mut verify)?;
+    eprintln!(
+        "   {} s to bake, {} s to verify",
+        short(at(&build, "/wall_seconds")),
+        short(at(&verify, "/wall_seconds"))
+    );
+    Ok(json!({ "build": build, "validate": validation, "khronos": khronos, "verify": verify }))
+}
+
+/// Number at a JSON pointer, NaN if there is none.
+fn at(value: &Value, pointer: &str) -> f64 {
+    value.pointer(pointer).and_then(Value::as_f64).unwrap_or(f64::NAN)
+}
+
+/// Mean missing ppm and triangles over those in the frustum, of a method in a group of cameras.
+fn quality(scene: &Value, group: &str, method: &str) -> (f64, f64) {
+    let groups = scene.pointer("/verify/groups").and_then(Value::as_array);
+    let found =
+        groups.into_iter().flatten().find(|entry| entry["group"] == group && entry["method"] == method);
+    found.map_or((f64::NAN, f64::NAN), |entry| {
+        (at(entry, "/missing_ppm/mean"), at(entry, "/triangles/over_frustum"))
+    })
+}
+
+/// How many times more pixels the published method misses at the same number of triangles. Both miss nothing: 1.
+/// Where ours cannot be made to draw as few triangles (nothing was worth a sphere, say), nothing can be compared: NaN.
+fn advantage(scene: &Value, group: &str) -> f64 {
+    let (ours, our_triangles) = quality(scene, group, EQUAL);
+    let (published, triangles) = quality(scene, group, PUBLISHED);
+    if our_triangles > 1.05 * triangles {
+        f64::NAN
+    } else if ours == 0.0 && published == 0.0 {
+        1.0
+    } else {
+        published / ours
+    }
+}
+
+fn report(results: &[Value]) -> String {
+    let cost: Vec<Vec<String>> = results.iter().map(cost_row).collect();
+    let mut text = markdown(
+        &[
+            "scene",
+            "objects",
+            "triangles",
+            "seconds",
+            "peak memory, MB",
+            "added, kB",
+            "% of geometry",
+            "bytes per object",
+        ],
+        &cost,
+    );
+    for group in ["outside", "inside"] {
+        let rows: Vec<Vec<String>> = results.iter().map(|scene| quality_row(scene, group)).collect();
+        text +=
+            &format!("\nSeen from {group}; triangles are a share of those that frustum culling draws:\n\n");
+        text += &markdown(
+            &[
+                "scene",
+                "ours, ppm",
+                "ours, triangles",
+                "ours at published's triangles, ppm",
+                "triangles",
+                "published, ppm",
+                "published, triangles",
+                "published ppm / ours",
+            ],
+            &rows,
+        );
+        let all: Vec<f64> = results.iter().map(|scene| advantage(scene, group)).collect();
+        let compared = all.iter().filter(|value| !value.is_nan()).count();
+        text += &format!(
+            "\nPublished / ours at its triangles, median of the {compared} of {} scenes that compare: {}\n",
+            all.len(),
+            ratio(median(all.iter().copied()))
+        );
+    }
+    text
+}
+
+fn cost_row(scene: &Value) -> Vec<String> {
+    let build = &scene["build"];
+    let (added, objects) = (at(build, "/bytes_added"), at(build, "/objects"));
+    vec![
+        scene["scene"].as_str().unwrap_or_default().to_owned(),
+        count(objects),
+        count(at(build, "/triangles")),
+        short(at(build, "/wall_seconds")),
+        count(at(build, "/peak_memory_bytes") / 1e6),
+        short(added / 1e3),
+        short(100.0 * added / at(build, "/geometry_bytes")),
+        short(added / objects),
+    ]
+}
+
+fn quality_row(scene: &Value, group: &str) -> Vec<String> {
+    let mut row = vec![scene["scene"].as_str().unwrap_or_default().to_owned()];
+    for method in [DEFAULT, EQUAL, PUBLISHED] {
+        let (missing, triangles) = quality(scene, group, method);
+        row.push(short(missing));
+        row.push(short(triangles));
+    }
+    row.push(ratio(advantage(scene, group)));
+    row
+}
+
+/// A ratio; infinite where ours misses nothing and the published method does.
+fn ratio(value: f64) -> String {
+    if value == f64::INFINITY { "∞".to_owned() } else { short(value) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(ours: f64, published: f64) -> Value {
+        let group = |method, ppm: f64| {
+            json!({ "group": "outside", "method": method, "missing_ppm": { "mean": ppm },
+                    "triangles": { "over_frustum": 0.5 } })
+        };
+        json!({
+            "scene": "x",
+            "build": { "objects": 10, "triangles": 1200, "wall_seconds": 1.5, "peak_memory_bytes": 2e6,
+                       "bytes_added": 2000, "geometry_bytes": 100_000 },
+            "verify": { "groups": [group(DEFAULT, 1.0), group(EQUAL, ours), group(PUBLISHED, published)] },
+        })
+    }
+
+    #[test]
+    fn rows_hold_what_was_measured() {
+        assert_eq!(cost_row(&scene(2.0, 10.0)), ["x", "10", "1,200", "1.5", "2", "2.0", "2.0", "200"]);
+        let row = quality_row(&scene(2.0, 10.0), "outside");
+        assert_eq!(row, ["x", "1.0", "0.50", "2.0", "0.50", "10", "0.50", "5.0"]);
+        assert_eq!(quality_row(&scene(2.0, 10.0), "inside")[1..], ["-"; 7]);
+    }
+
+    #[test]
+    fn advantage_of_missing_nothing() {
+        assert_eq!(advantage(&scene(0.0, 0.0), "outside"), 1.0);
+        assert_eq!(ratio(advantage(&scene(0.0, 3.0), "outside")), "∞");
+    }
+
+    #[test]
+    fn unequal_triangles_are_not_compared() {
+        let mut scene = scene(0.0, 3.0);
+        scene["verify"]["groups"][1]["triangles"]["over_frustum"] = json!(0.6);
+        assert_eq!(ratio(advantage(&scene, "outside")), "-");
+    }
+
+    #[test]
+    fn options_are_checked() {
+        assert!(Options::parse(&["--quality", "draft", "--only", "linz"]).is_ok());
+        assert!(Options::parse(&["--quality"]).is_err());
+        assert!(Options::parse(&["--colour", "red"]).is_err());
+    }
+}

@@ -1,0 +1,24 @@
+//! `cargo xtask test`: everything that must hold before a change is taken.
+
+use crate::{khronos, run};
+
+pub(crate) fn test() -> Result<(), String> {
+    for (tool, component) in [("fmt", "rustfmt"), ("clippy", "clippy")] {
+        if !run::succeeds(run::cargo().args([tool, "--version"])) {
+            let mut rustup = std::process::Command::new("rustup");
+            run::step(&format!("install {component}"), rustup.args(["component", "add", component]))?;
+        }
+    }
+    run::step("formatting", run::cargo().args(["fmt", "--all", "--check"]))
+        .map_err(|error| format!("{error}; `cargo fmt --all` repairs it"))?;
+    run::step(
+        "lints",
+        run::cargo().args(["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"]),
+    )?;
+    khronos::install()?;
+    // Last, so that the output ends with the test runners' own summaries. The Khronos validator runs in here.
+    run::step(
+        "tests",
+        run::cargo().args(["test", "--release", "--workspace"]).env("SVS_REQUIRE_KHRONOS", "1"),
+    )
+}
