@@ -100,4 +100,15 @@ impl BakeOptions {
             (None, Quality::High) => 1 << 29,
         })
     }
+
+    /// Most surfaces that rays may cross: in a scene of many layers a ray costs more, so a preset gives fewer.
+    pub fn crossing_limit(&self) -> u64 {
+        match (self.rays, self.max_missing_ppm) {
+            (None, None) => self.ray_limit().saturating_mul(CROSSINGS_PER_RAY),
+            _ => u64::MAX,
+        }
+    }
 }
+
+/// See [`BakeOptions::crossing_limit`].
+const CROSSINGS_PER_RAY: u64 = 5;

@@ -21,6 +21,9 @@ const PILOT_RAYS: u64 = 1 << 22;
 /// perspective views were 1 to 3.6 times the estimate, which is made of parallel rays.
 const ESTIMATE_MARGIN: f64 = 3.0;
 
+/// Most nodes kept above any object: what four bits can count.
+const MOST_LEVELS: u32 = 15;
+
 /// A baked tree, ready to be encoded.
 #[derive(Clone, Debug)]
 pub struct BakedTree {
@@ -81,6 +84,7 @@ pub fn bake_tree(
         candidates.iter().map(|c| Target::new(Ancestry::new(&c.hierarchy), directions.len())).collect();
 
     let limit = options.ray_limit();
+    let crossing_limit = options.crossing_limit();
     let pilot = PILOT_RAYS.min(limit / 2).max(1);
     progress.stage("sample", Some(limit));
     let advance = |rays| progress.advance(rays);
@@ -88,6 +92,24 @@ pub fn bake_tree(
 
     // Choose and prune by what the pilot saw.
     let share = options.prune.unwrap_or(DEFAULT_PRUNE).clamp(0.0, 1.0);
+    if std::env::var("DBG").is_ok() {
+        for (c, t) in candidates.iter().zip(&targets) {
+            for l in [15, 3, 2, 1] {
+                let mut st =
+                    State { hierarchy: c.hierarchy.clone(), spheres: c.spheres.clone(), target: t.clone() };
+                let v = st.visible_triangles(subject);
+                let k = prune::nodes_worth_keeping(&st.hierarchy, &subject.members, &v, share, l);
+                st.drop_nodes(&k);
+                let v = st.visible_triangles(subject);
+                eprintln!(
+                    "{:?} limit {l}: cost {} nodes {}",
+                    c.kind,
+                    choose::cost(&st.hierarchy, &st.spheres, &subject.members, &v),
+                    st.hierarchy.nodes.len()
+                );
+            }
+        }
+    }
     let (best, keep) = candidates
         .iter()
         .zip(&targets)
@@ -103,6 +125,7 @@ pub fn bake_tree(
     let target = targets.swap_remove(best);
     drop(targets);
     let mut rays = found[best].rays;
+    let mut crossings = found[best].crossings;
     let mut missing_ppm = found[best].missing_ppm() * 0.5;
     let mut tree = State { spheres: chosen.spheres, hierarchy: chosen.hierarchy, target };
     let nodes_before = tree.hierarchy.nodes.len();
@@ -112,7 +135,11 @@ pub fn bake_tree(
     let mut areas = Areas::new(&tree.target.ancestry, directions.len());
     let mut index = 1;
     loop {
-        let batch = rays.min(limit.saturating_sub(rays)).max(pilot.min(limit));
+        // What is left of the limits, going by the crossings per ray so far.
+        let left = limit.saturating_sub(rays);
+        let affordable =
+            (crossing_limit.saturating_sub(crossings) as f64 * rays as f64 / crossings.max(1) as f64) as u64;
+        let batch = rays.min(left).min(affordable).max(pilot);
         let found = sample_batch(
             &scene,
             directions,
@@ -124,10 +151,13 @@ pub fn bake_tree(
         )[0];
         let before = rays;
         rays += found.rays;
+        crossings += found.crossings;
         index += 1;
         missing_ppm =
             if found.seen == 0 { missing_ppm } else { found.missing_ppm() * before as f64 / rays as f64 };
-        if missing_ppm * ESTIMATE_MARGIN <= options.target_ppm() || rays >= limit || found.seen == 0 {
+        let enough = missing_ppm * ESTIMATE_MARGIN <= options.target_ppm();
+        let spent = rays >= limit || crossings >= crossing_limit || batch == affordable;
+        if enough || spent || found.seen == 0 {
             break;
         }
     }
@@ -137,14 +167,24 @@ pub fn bake_tree(
     let mut areas: Vec<Vec<f64>> = (0..subject.members.len() as u32)
         .map(|member| areas.largest(member).into_iter().map(|area| area * unit).collect())
         .collect();
-    let shares = match options.prune {
-        Some(share) => vec![share.clamp(0.0, 1.0)],
-        None => vec![DEFAULT_PRUNE, 0.1, 0.2, 0.3, 0.5, 1.0],
+    // Three levels take two bits each, fifteen take four.
+    let steps = match options.prune {
+        Some(share) => vec![(share.clamp(0.0, 1.0), MOST_LEVELS)],
+        None => vec![
+            (DEFAULT_PRUNE, MOST_LEVELS),
+            (DEFAULT_PRUNE, 3),
+            (0.1, 3),
+            (0.2, 3),
+            (0.3, 3),
+            (0.5, 3),
+            (0.5, 1),
+            (1.0, 1),
+        ],
     };
     let mut baked = None;
-    for share in shares {
+    for (share, limit) in steps {
         let visible = tree.visible_triangles(subject);
-        let keep = prune::nodes_worth_keeping(&tree.hierarchy, &subject.members, &visible, share);
+        let keep = prune::nodes_worth_keeping(&tree.hierarchy, &subject.members, &visible, share, limit);
         tree.drop_areas(&keep, &mut areas);
         tree.drop_nodes(&keep);
         let result = BakedTree {
@@ -229,7 +269,7 @@ fn pruned_cost(candidate: &Candidate, target: &Target, subject: &Subject, share:
         target: target.clone(),
     };
     let visible = state.visible_triangles(subject);
-    let keep = prune::nodes_worth_keeping(&state.hierarchy, &subject.members, &visible, share);
+    let keep = prune::nodes_worth_keeping(&state.hierarchy, &subject.members, &visible, share, MOST_LEVELS);
     state.drop_nodes(&keep);
     let visible = state.visible_triangles(subject);
     (choose::cost(&state.hierarchy, &state.spheres, &subject.members, &visible), keep)

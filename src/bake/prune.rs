@@ -1,7 +1,6 @@
 //! Model only what a scene requires: keep the spheres that cull, drop the rest.
 //!
-//! A node is kept if, seen from outside, it draws at least a share `x` fewer triangles than the kept nodes and
-//! objects below it would. Most spheres of a hierarchy never pay; what is dropped costs neither bytes nor time.
+//! Most spheres of a hierarchy never pay; what is dropped costs neither bytes nor time.
 
 use super::sample::{Ancestry, Levels};
 use super::tree::{Hierarchy, HierarchyNode, Member};
@@ -30,30 +29,98 @@ pub fn visible_triangles(
     visible
 }
 
-/// Which nodes to keep: those that show at most `1 - share` of what would be drawn without them.
-/// `share` is in 0..=1; with 0 every node is kept that does not make things worse.
+/// Chooses the nodes to keep, at most `limit` above any member.
+///
+/// Minimises the triangles drawn, summed over viewpoints: one at every member and as many outside everything. A
+/// kept node serves the viewpoints that are outside it but inside the next kept node above it; it shows them
+/// `visible[node]` triangles, where otherwise they would see what the kept nodes and members below show. To be
+/// kept a node must save at least `share` of that.
+///
+/// Exact, by dynamic programming from the leaves: the best cost of a subtree depends only on the next kept node
+/// above it and on how many more may be kept. Time and memory grow with nodes x depth x limit.
 pub fn nodes_worth_keeping(
     hierarchy: &Hierarchy,
     members: &[Member],
     visible: &[f64],
     share: f64,
+    limit: u32,
 ) -> Vec<bool> {
-    let mut drawn_below = vec![0.0; hierarchy.nodes.len()];
-    for (place, parent) in hierarchy.parents_of_members().into_iter().enumerate() {
-        if let Some(parent) = parent {
-            drawn_below[parent as usize] += f64::from(members[hierarchy.order[place] as usize].triangles);
+    let nodes = &hierarchy.nodes;
+    let states = limit as usize + 1;
+    let everywhere = 2.0 * members.len() as f64;
+    let direct = direct_triangles(hierarchy, members);
+    let mut depth = vec![0usize; nodes.len()];
+    for (index, node) in nodes.iter().enumerate() {
+        depth[index] = node.parent.map_or(0, |p| depth[p as usize] + 1);
+    }
+    // Viewpoints inside a node, and in each context of it: context 0 is "nothing kept above", context i the
+    // ancestor at depth i - 1.
+    let inside = |node: usize| nodes[node].members.len() as f64;
+    let mut path: Vec<usize> = Vec::new();
+
+    // Cost of the children by (context, allowance); one context more than the node itself has: the node.
+    let mut below: Vec<Vec<f64>> = depth.iter().map(|&d| vec![0.0; (d + 2) * states]).collect();
+    let mut keeps: Vec<Vec<bool>> = vec![Vec::new(); nodes.len()];
+    for index in (0..nodes.len()).rev() {
+        // Ancestors of this node, from the root down.
+        path.clear();
+        let mut above = nodes[index].parent;
+        while let Some(node) = above {
+            path.push(node as usize);
+            above = nodes[node as usize].parent;
+        }
+        path.reverse();
+        let sums = std::mem::take(&mut below[index]);
+        let itself = depth[index] + 1;
+        let mut costs = vec![0.0; itself * states];
+        let mut decisions = vec![false; itself * states];
+        for context in 0..itself {
+            let viewpoints = if context == 0 { everywhere } else { inside(path[context - 1]) };
+            for allowance in 0..states {
+                let place = context * states + allowance;
+                let without = sums[place] + direct[index] * viewpoints;
+                let mut best = without;
+                if allowance > 0 && share < 1.0 {
+                    let with = visible[index] / (1.0 - share) * (viewpoints - inside(index))
+                        + sums[itself * states + allowance - 1]
+                        + direct[index] * inside(index);
+                    if with < without {
+                        best = with;
+                        decisions[place] = true;
+                    }
+                }
+                costs[place] = best;
+            }
+        }
+        keeps[index] = decisions;
+        if let Some(parent) = nodes[index].parent {
+            for (sum, cost) in below[parent as usize].iter_mut().zip(costs) {
+                *sum += cost;
+            }
         }
     }
-    let mut keep = vec![false; hierarchy.nodes.len()];
-    // Depth-first order backwards: children before parents.
-    for (index, node) in hierarchy.nodes.iter().enumerate().rev() {
-        let without = drawn_below[index];
-        keep[index] = visible[index] < without && visible[index] <= without * (1.0 - share);
-        if let Some(parent) = node.parent {
-            drawn_below[parent as usize] += if keep[index] { visible[index] } else { without };
-        }
+
+    // From the roots down: what was decided for the context that came about.
+    let mut states_below: Vec<(usize, usize)> = Vec::with_capacity(nodes.len());
+    let mut keep = Vec::with_capacity(nodes.len());
+    for (index, node) in nodes.iter().enumerate() {
+        let (context, allowance) = node.parent.map_or((0, states - 1), |p| states_below[p as usize]);
+        let kept = keeps[index][context * states + allowance];
+        keep.push(kept);
+        states_below.push(if kept { (depth[index] + 1, allowance - 1) } else { (context, allowance) });
     }
     keep
+}
+
+/// Triangles of the members that hang on each node itself.
+fn direct_triangles(hierarchy: &Hierarchy, members: &[Member]) -> Vec<f64> {
+    let mut direct = vec![0.0; hierarchy.nodes.len()];
+    for (place, parent) in hierarchy.parents_of_members().into_iter().enumerate() {
+        if let Some(parent) = parent {
+            direct[parent as usize] += f64::from(members[hierarchy.order[place] as usize].triangles);
+        }
+    }
+    direct
 }
 
 /// Nodes to keep so that none has `limit` or more ancestors: the deeper ones give way to those above them.

@@ -31,7 +31,7 @@ const SUB_DIRECTIONS: usize = 16;
 /// Lines of one direction, as far as that leaves two sub-directions per bin and batch. Neighbouring lines meet
 /// the same triangles while these are still in the processor's cache: with grids of 80 x 80 lines a line costs
 /// two to three times as much.
-const LINES_PER_DIRECTION: u64 = 1 << 14;
+const LINES_PER_DIRECTION: u64 = 1 << 15;
 
 /// A hierarchy being sampled.
 #[derive(Clone, Debug)]
@@ -47,6 +47,8 @@ pub struct Target {
 pub struct Found {
     /// Rays traced (two per line).
     pub rays: u64,
+    /// Surfaces crossed by them, which is what they cost.
+    pub crossings: u64,
     /// Rays that saw an object from outside everything.
     pub seen: u64,
     /// Those whose object the table did not yet list for their bin: an estimate of what the table, as it was
@@ -102,10 +104,11 @@ pub(crate) fn sample_batch(
             |(hits, walkers), grid| {
                 let mut found = vec![Found::default(); targets.len()];
                 let [from_start, from_finish] = bins(grid);
-                let mut rays = 0;
+                let (mut rays, mut crossings) = (0, 0);
                 for point in grid.points() {
                     rays += 2;
                     scene.line(point, grid.direction, hits);
+                    crossings += hits.len() as u64;
                     if hits.is_empty() {
                         continue;
                     }
@@ -123,6 +126,7 @@ pub(crate) fn sample_batch(
                     }
                 }
                 advance(rays);
+                found[0].crossings = crossings;
                 found
             },
         )
@@ -133,7 +137,8 @@ pub(crate) fn sample_batch(
     for (target, shared) in targets.iter_mut().zip(shared) {
         target.levels = shared.into_levels();
     }
-    found.into_iter().map(|f| Found { rays: batch.rays, ..f }).collect()
+    let crossings = found.first().map_or(0, |f| f.crossings);
+    found.into_iter().map(|f| Found { rays: batch.rays, crossings, ..f }).collect()
 }
 
 /// The lines of batch `index`.
@@ -175,6 +180,7 @@ impl Found {
     fn plus(&self, other: &Self) -> Self {
         Self {
             rays: self.rays + other.rays,
+            crossings: self.crossings + other.crossings,
             seen: self.seen + other.seen,
             missed: self.missed + other.missed,
         }
