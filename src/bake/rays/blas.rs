@@ -1,14 +1,14 @@
 //! The triangles of one mesh, or of many meshes drawn once each, under one `obvhs` hierarchy.
 
+use super::build::build;
 use super::triangle::{PACKET, Packet, ShearedRay, TriangleHit};
 use crate::scene::{Mesh, Opacity};
 use glam::{DAffine3, Vec2, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
-use std::time::Duration;
+use rayon::prelude::*;
 
 /// Boxes are widened by this share of the hierarchy's half diagonal: the slab test rounds, and a box missed by
 /// rounding would be a leak. 2^-19 is 16 steps of f32 at 1.
@@ -102,7 +102,15 @@ impl<'a> Blas<'a> {
             collapse_traversal_cost: 8.0,
             ..BvhBuildParams::fast_build()
         };
-        let mut bvh = build_bvh2(&boxes, params, &mut Duration::default());
+        let (mut bvh, is_trap) = build(&boxes, params);
+        if is_trap && let Some(kept) = distinct(&corners, &flags, &members) {
+            let pick = |i: &u32| corners[*i as usize];
+            return Self::build(
+                kept.iter().map(pick).collect(),
+                kept.iter().map(|&i| flags[i as usize]).collect(),
+                kept.iter().filter_map(|&i| members.get(i as usize).copied()).collect(),
+            );
+        }
         // Lines are far apart, so most of their time is spent waiting for nodes: keep those of a path together.
         bvh.reorder_in_stack_traversal_order();
         let mut packets = Vec::new();
@@ -212,6 +220,23 @@ fn triangle_flags(mesh: &Mesh) -> Vec<u8> {
         flags[surface.triangles.start as usize..surface.triangles.end as usize].fill(value);
     }
     flags
+}
+
+/// The first of all triangles that equal each other (corners, kind, member), in order; `None` if all are distinct or
+/// some have an alpha texture, whose coordinates may tell them apart.
+fn distinct(corners: &[[[f32; 3]; 3]], flags: &[u8], members: &[u32]) -> Option<Vec<u32>> {
+    if flags.iter().any(|f| f & MASKED != 0) {
+        return None;
+    }
+    let key = |i: u32| {
+        let i = i as usize;
+        (corners[i].map(|corner| corner.map(f32::to_bits)), flags[i], members.get(i))
+    };
+    let mut order: Vec<u32> = (0..corners.len() as u32).collect();
+    order.par_sort_unstable_by(|&a, &b| key(a).cmp(&key(b)).then(a.cmp(&b)));
+    order.dedup_by(|b, a| key(*b) == key(*a));
+    order.sort_unstable();
+    (order.len() < corners.len()).then_some(order)
 }
 
 /// A mesh with an alpha texture keeps its own hierarchy: its hits need texture coordinates.

@@ -1,17 +1,16 @@
 //! Placed meshes under a top-level hierarchy.
 
 use super::blas::{Blas, DOUBLE_SIDED, Merged, OPAQUE, has_mask};
+use super::build::build;
 use crate::bake::tree::{Aabb, Part};
 use crate::scene::Mesh;
 use glam::{DAffine3, DVec3, Mat3A, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::fmt;
-use std::time::Duration;
 
 /// A mesh drawn once costs nothing extra when its triangles are placed in the common hierarchy, where rays are
 /// fastest. Meshes drawn more often are placed there too as long as the copies stay below this many triangles
@@ -115,8 +114,7 @@ impl<'a> RayScene<'a> {
             .collect();
         let boxes: Vec<obvhs::aabb::Aabb> =
             instances.par_iter().map(|i| i.bounds(&to_unit_box(shared[i.blas as usize], i))).collect();
-        let top = (!boxes.is_empty())
-            .then(|| build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default()));
+        let top = (!boxes.is_empty()).then(|| build(&boxes, BvhBuildParams::medium_build()).0);
 
         Self {
             center,

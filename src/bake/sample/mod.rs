@@ -6,6 +6,7 @@
 mod areas;
 mod levels;
 mod lines;
+mod parallel;
 pub(crate) mod random;
 mod walk;
 
@@ -16,6 +17,7 @@ mod tests;
 
 pub(crate) use areas::Areas;
 pub use levels::Levels;
+pub use parallel::levels_from;
 pub use walk::{Ancestry, MAX_DEPTH};
 
 use crate::bake::rays::{LineHit, RayScene};
