@@ -1,6 +1,7 @@
 //! The bake pipeline, one module per stage: read, objects, hierarchy, spheres, sample, prune, importance, write,
 //! verify.
 
+mod borrow;
 mod choose;
 mod clock;
 pub mod encode;
@@ -86,11 +87,8 @@ pub fn build(
                 geometry_bytes * subject.members.len() as u64 / scene.objects.len().max(1) as u64,
                 subject.members.len() as u64,
             );
-            let fits = |tree: &BakedTree| {
-                let bytes = encode_tree(tree, &subject, directions).bytes() as u64;
-                bytes + JSON_BYTES <= allowed.max(2 * JSON_BYTES)
-            };
-            let tree = bake_tree(&subject, &scene.meshes, directions, options, &clock, &fits);
+            let allowed = allowed.saturating_sub(JSON_BYTES).max(JSON_BYTES);
+            let tree = bake_tree(&subject, &scene.meshes, directions, options, &clock, allowed);
             let encoded = encode_tree(&tree, &subject, directions);
             Baked { subject, tree, encoded }
         })

@@ -1,6 +1,8 @@
 //! The stages of one tree: rays, hierarchy, sampling, pruning, importance.
 
+use super::borrow::borrow_rows;
 use super::choose;
+use super::encode::encode_tree;
 use super::hierarchy::{self, HierarchyKind};
 use super::options::{BakeOptions, DEFAULT_PRUNE, HierarchyChoice};
 use super::progress::Progress;
@@ -12,7 +14,7 @@ use super::subject::Subject;
 use super::tree::{Hierarchy, Sphere};
 use crate::scene::Mesh;
 use svs_runtime::directions::DirectionSet;
-use svs_runtime::encode::importance_code;
+use svs_runtime::encode::{importance_code, index_bytes, row_stride};
 
 /// Rays of the first batch: it chooses the hierarchy and prunes it.
 const PILOT_RAYS: u64 = 1 << 22;
@@ -20,6 +22,9 @@ const PILOT_RAYS: u64 = 1 << 22;
 /// The estimate of missing pixels has to be this many times below the target: measured missing pixels of
 /// perspective views were 1 to 3.6 times the estimate, which is made of parallel rays.
 const ESTIMATE_MARGIN: f64 = 3.0;
+
+/// Triangles that sharing rows of levels may add to what is visible before spheres are given up instead.
+const BORROWING_SHARE: f64 = 0.02;
 
 /// Most nodes kept above any object: what four bits can count.
 const MOST_LEVELS: u32 = 15;
@@ -60,15 +65,15 @@ struct Candidate {
     spheres: Vec<Sphere>,
 }
 
-/// Bakes one tree. `fits(tree)` says whether its data is small enough; if not, and the share of pruning was not
-/// named, more spheres are given up.
+/// Bakes one tree. If its tables take more than `bytes_allowed`, and the share of pruning was not named, objects
+/// share rows of levels, then spheres are given up, until they do not.
 pub fn bake_tree(
     subject: &Subject,
     meshes: &[Mesh],
     directions: &DirectionSet,
     options: &BakeOptions,
     progress: &dyn Progress,
-    fits: &dyn Fn(&BakedTree) -> bool,
+    bytes_allowed: u64,
 ) -> BakedTree {
     progress.stage("rays", None);
     let scene = RayScene::new(meshes, &subject.parts);
@@ -92,7 +97,6 @@ pub fn bake_tree(
 
     // Choose and prune by what the pilot saw.
     let share = options.prune.unwrap_or(DEFAULT_PRUNE).clamp(0.0, 1.0);
-    if std::env::var("DBG").is_ok() {
         for (c, t) in candidates.iter().zip(&targets) {
             for l in [15, 3, 2, 1] {
                 let mut st =
@@ -187,23 +191,18 @@ pub fn bake_tree(
         let keep = prune::nodes_worth_keeping(&tree.hierarchy, &subject.members, &visible, share, limit);
         tree.drop_areas(&keep, &mut areas);
         tree.drop_nodes(&keep);
-        let result = BakedTree {
+        let mut result = BakedTree {
             hierarchy: tree.hierarchy.clone(),
             spheres: tree.spheres.clone(),
             levels: tree.target.levels.clone(),
             areas: areas.clone(),
             made: Made { kind: chosen.kind, nodes_before, prune: share, rays, missing_ppm },
         };
-        let enough = fits(&result);
-        if std::env::var("DBG").is_ok() {
-            let sub = subject;
-            let e = super::encode::encode_tree(&result, sub, directions);
-            eprintln!(
-                "share {share} nodes {} bits {} {:?}",
-                result.hierarchy.nodes.len(),
-                e.level_bits,
-                e.tables.iter().map(|t| (t.semantic, t.bytes.len())).collect::<Vec<_>>()
-            );
+        let bytes = |tree: &BakedTree| encode_tree(tree, subject, directions).bytes() as u64;
+        let mut enough = options.prune.is_some() || bytes(&result) <= bytes_allowed;
+        if !enough {
+            result.save_rows(subject, directions, bytes_allowed);
+            enough = bytes(&result) <= bytes_allowed;
         }
         baked = Some(result);
         if enough {
@@ -276,6 +275,21 @@ fn pruned_cost(candidate: &Candidate, target: &Target, subject: &Subject, share:
 }
 
 impl BakedTree {
+    /// Lets objects share rows of levels, as far as that helps to fit into `bytes_allowed`.
+    fn save_rows(&mut self, subject: &Subject, directions: &DirectionSet, bytes_allowed: u64) {
+        let encoded = encode_tree(self, subject, directions);
+        let size = |semantic: &str| {
+            encoded.tables.iter().filter(|t| t.semantic == semantic).map(|t| t.bytes.len()).sum::<usize>()
+        };
+        let rows = size("LEVEL_ROW");
+        let others = encoded.bytes() - rows - size("LEVEL_ROW_INDEX");
+        let objects = subject.members.len();
+        let index = objects * index_bytes(objects.saturating_sub(1) as u32);
+        let room = (bytes_allowed as usize).saturating_sub(others + index);
+        let stride = row_stride(directions.len(), encoded.level_bits);
+        borrow_rows(&mut self.levels, &subject.members, room / stride, BORROWING_SHARE);
+    }
+
     /// Area that importance code 0 stands for: the largest there is, m².
     pub fn importance_area(&self) -> f64 {
         self.areas.iter().flatten().copied().fold(0.0, f64::max)

@@ -15,7 +15,7 @@ use std::fmt;
 /// A mesh drawn once costs nothing extra when its triangles are placed in the common hierarchy, where rays are
 /// fastest. Meshes drawn more often are placed there too as long as the copies stay below this many triangles
 /// (about 90 bytes each).
-const COPIED_TRIANGLES: usize = 1 << 20;
+const COPIED_TRIANGLES: usize = 3 << 20;
 
 /// What a scene of parts looks like to rays.
 pub struct RayScene<'a> {
@@ -347,7 +347,8 @@ fn box_of_vertices(mesh: &Mesh, to_tree: &DAffine3) -> Aabb {
     })
 }
 
-/// Which meshes are placed triangle by triangle: those drawn once, then the cheapest to copy.
+/// Which meshes are placed triangle by triangle: those drawn once, then the smallest, whose instances cost rays
+/// the most for what they add.
 fn meshes_to_copy(meshes: &[Mesh], parts: &[&Part]) -> Vec<bool> {
     let mut uses = vec![0usize; meshes.len()];
     for part in parts {
@@ -359,12 +360,13 @@ fn meshes_to_copy(meshes: &[Mesh], parts: &[&Part]) -> Vec<bool> {
         let fits = !has_mask(mesh);
         copied.push(fits && uses[index] == 1);
         if fits && uses[index] > 1 {
-            reused.push((mesh.triangles.len() * uses[index], index));
+            reused.push((mesh.triangles.len(), index));
         }
     }
     reused.sort_unstable();
     let mut budget = COPIED_TRIANGLES;
-    for (cost, index) in reused {
+    for (triangles, index) in reused {
+        let cost = triangles * uses[index];
         if cost > budget {
             break;
         }

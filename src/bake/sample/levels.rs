@@ -32,6 +32,15 @@ impl Levels {
         &self.table[start..start + self.directions]
     }
 
+    /// Replaces the levels of one member.
+    ///
+    /// # Panics
+    /// If `row` does not have one level per direction.
+    pub fn set_row(&mut self, member: u32, row: &[u8]) {
+        let start = member as usize * self.directions;
+        self.table[start..start + self.directions].copy_from_slice(row);
+    }
+
     /// Replaces each member's levels by `map(member, level)`.
     pub fn remap(&mut self, map: impl Fn(u32, u8) -> u8 + Sync) {
         let directions = self.directions;
