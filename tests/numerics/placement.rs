@@ -6,8 +6,8 @@
 //! whether the object is drawn for a viewer outside.
 //!
 //! A turned scene meets other rays, because the grids of lines lie along its box. There the exact views are
-//! compared, in turned directions, and the yardstick is how much the levels of the scene itself change if the
-//! grids are a little coarser.
+//! compared, in turned directions and with as many lines per area, and the yardstick is how much the levels of the
+//! scene itself change if other lines of the same density are taken.
 
 use crate::baking::{Unpruned, bake, document, options};
 use glam::{DMat3, DQuat, DVec3};
@@ -21,7 +21,7 @@ use svs_runtime::DirectionSet;
 /// Share of entries that may change with the unit or the place.
 const MOST_CHANGED: f64 = 1e-3;
 
-const LINES: usize = 20_000;
+const LINES: usize = 10_000;
 
 fn scenes() -> [(&'static str, SampleOptions); 3] {
     [
@@ -56,7 +56,7 @@ fn placements() -> [(&'static str, Value); 5] {
 /// Levels by direction and member.
 fn views(scene: &Unpruned, ancestry_of: &Unpruned, turn: DMat3, lines: usize) -> Vec<u8> {
     use rayon::prelude::*;
-    let directions = DirectionSet::by_name("icosahedron-1").expect("a set");
+    let directions = DirectionSet::by_name("dodecahedron").expect("a set");
     let rays = scene.rays();
     (0..directions.len())
         .into_par_iter()
@@ -86,7 +86,7 @@ fn unit_and_place_change_next_to_no_level() {
 
 /// For each object in document order and each direction: drawn for a viewer far outside.
 fn drawn(doc: &mut Document) -> Vec<bool> {
-    let (trees, _) = bake(doc, &options(1 << 20));
+    let (trees, _) = bake(doc, &options(1 << 19));
     let tree = trees.first().expect("a tree");
     let mut drawn = vec![Vec::new(); tree.object_count()];
     for place in 0..tree.object_count() {
@@ -109,6 +109,13 @@ fn unit_and_place_change_next_to_nothing_that_is_drawn() {
     }
 }
 
+/// Surface of the scene's box, m²: four times its mean shadow, which the lines are spread over.
+fn surface(scene: &Unpruned) -> f64 {
+    let rays = scene.rays();
+    let side = rays.half_size() * rays.radius();
+    8.0 * (side.x * side.y + side.y * side.z + side.z * side.x)
+}
+
 #[test]
 fn turning_changes_no_more_than_other_rays_do() {
     for (name, options) in scenes() {
@@ -119,7 +126,8 @@ fn turning_changes_no_more_than_other_rays_do() {
             let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 1.0);
             let placement = json!({ "rotation": turn.to_array(), "translation": [10, -20, 5] });
             let scene = Unpruned::new(&placed(&options, &placement), HierarchyKind::Octree);
-            let share = share_different(&views(&scene, &base, DMat3::from_quat(turn), lines), &expected);
+            let denser = (lines as f64 * surface(&scene) / surface(&base)) as usize;
+            let share = share_different(&views(&scene, &base, DMat3::from_quat(turn), denser), &expected);
             println!(
                 "{name}, {lines} lines: turned {:.3} % of {} levels differ, with other lines {:.3} %",
                 share * 100.0,
