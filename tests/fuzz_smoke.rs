@@ -5,6 +5,7 @@ mod fuzz;
 
 use fuzz::mutate::{Random, mutate, scramble};
 use fuzz::targets;
+use std::path::Path;
 use std::sync::LazyLock;
 
 /// Target and documents; made once.
@@ -45,6 +46,18 @@ fn seeds_are_good() {
                 svs::scene::read_scene(&document, &options)
                     .unwrap_or_else(|error| panic!("{number}: {error}"));
             }
+        }
+    }
+}
+
+#[test]
+#[ignore = "not a test: writes what libFuzzer starts from into fuzz/corpus"]
+fn write_seeds() {
+    for (target, seeds) in SEEDS.iter() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target);
+        std::fs::create_dir_all(&folder).expect("the folder");
+        for (number, seed) in seeds.iter().enumerate() {
+            std::fs::write(folder.join(format!("seed-{number}")), seed).expect("a seed");
         }
     }
 }
