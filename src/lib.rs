@@ -1,5 +1,7 @@
 //! Bakes direction-dependent visibility into glTF scenes.
 
+#![forbid(unsafe_code)]
+
 pub mod bake;
 pub mod generate;
 pub mod gltf;

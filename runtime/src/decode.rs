@@ -3,6 +3,7 @@
 use crate::encode::parse_hash;
 use crate::error::{DecodeError, TreeError};
 use crate::format::{Extension, TreeJson};
+use crate::sharing::first_excess;
 use crate::tables::TreeTables;
 use crate::tree::{Fingerprint, Nested, Placement, Tree};
 use serde::Deserialize;
@@ -37,7 +38,8 @@ impl Visibility {
     /// Decodes `extensions.EXT_spherical_visibility` of a document's root.
     ///
     /// # Errors
-    /// Anything that is not as the specification says. Draw the scene with frustum culling alone then.
+    /// Anything that is not as the specification says, and trees that together need far more memory than the file has, see
+    /// [`crate::sharing::first_excess`]. Draw the scene with frustum culling alone then.
     pub fn decode(extension: &serde_json::Value, source: &dyn AccessorSource) -> Result<Self, DecodeError> {
         let extension = Extension::deserialize(extension)?;
         Self::from_extension(extension, source)
@@ -54,6 +56,14 @@ impl Visibility {
     fn from_extension(extension: Extension, source: &dyn AccessorSource) -> Result<Self, DecodeError> {
         if extension.version != "1" && !extension.version.starts_with("1.") {
             return Err(DecodeError::Version { found: extension.version });
+        }
+        let named = extension.trees.iter().enumerate();
+        let named = named.flat_map(|(tree, json)| json.tables.accessors().map(move |index| (tree, index)));
+        // Accessors that cannot be read are reported by the tree that needs them.
+        let (named, views): (Vec<usize>, Vec<AccessorView<'_>>) =
+            named.filter_map(|(tree, index)| Some((tree, source.accessor(index as usize)?))).unzip();
+        if let Some(excess) = first_excess(views) {
+            return Err(DecodeError::TablesTooLarge { tree: named[excess] });
         }
         let mut trees = Vec::with_capacity(extension.trees.len());
         for (tree, json) in extension.trees.into_iter().enumerate() {

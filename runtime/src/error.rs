@@ -16,6 +16,12 @@ pub enum DecodeError {
         /// Version text of the file.
         found: String,
     },
+    /// Trees name the same tables again and again, see [`crate::sharing::first_excess`].
+    #[error("trees/{tree}: the trees share tables so often that decoding them would take too much memory")]
+    TablesTooLarge {
+        /// Index of the first tree that is too much.
+        tree: usize,
+    },
     /// One of the trees is wrong.
     #[error("trees/{tree}: {source}")]
     Tree {

@@ -91,6 +91,15 @@ pub struct Tables {
     pub importance: Option<u32>,
 }
 
+impl Tables {
+    /// The accessors of all tables there are.
+    pub fn accessors(&self) -> impl Iterator<Item = u32> + '_ {
+        let nodes = [self.node_sphere, self.node_subtree, self.node_first_object, self.node_object_count];
+        let objects = [self.object_order, self.level_row, self.level_row_index, self.importance];
+        nodes.into_iter().chain(objects).flatten()
+    }
+}
+
 /// An object of this tree that stands for a whole other tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NestedJson {

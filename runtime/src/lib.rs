@@ -1,4 +1,5 @@
 #![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
 
 mod bounds;
 mod camera;
@@ -10,6 +11,7 @@ mod error;
 pub mod format;
 mod query;
 mod scene;
+pub mod sharing;
 mod tables;
 mod traverse;
 mod tree;

@@ -233,3 +233,21 @@ fn each_inconsistency_has_its_error() {
     };
     assert!(matches!(broken(&nested), TreeError::Nested { .. }));
 }
+
+#[test]
+fn many_trees_cannot_multiply_one_large_table() {
+    let mut tables = sample(3, false).tables;
+    tables.nested = Vec::new();
+    let mut accessors = Accessors::default();
+    let tree = encode(&tables, &mut accessors);
+    // The tree is valid; only its row table is made large, by rows that no object uses.
+    let (bytes, _, _, count) = &mut accessors.0[tree["tables"]["LEVEL_ROW"].as_u64().unwrap() as usize];
+    bytes.resize(bytes.len() * (1_200_000 / bytes.len()), 0);
+    *count = bytes.len();
+    let held: usize = accessors.0.iter().map(|accessor| accessor.0.len()).sum();
+    let many = |count: usize| extension(vec![tree.clone(); count]);
+    assert!(tree["tables"].get("LEVEL_ROW_INDEX").is_some() && held > 1 << 20, "{held}");
+    assert!(Visibility::decode(&many(15), &accessors).is_ok());
+    let error = Visibility::decode(&many(17), &accessors).unwrap_err();
+    assert!(matches!(error, DecodeError::TablesTooLarge { tree: 16 }), "{error}");
+}

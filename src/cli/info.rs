@@ -10,9 +10,8 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
-use svs::gltf::Document;
+use svs::gltf::{Document, DocumentTables};
 use svs::scene::{ReadOptions, read_scene};
-use svs::verify::DocumentTables;
 use svs_runtime::format::{EXTENSION_NAME, Extension};
 use svs_runtime::{Placement, Tree, Visibility};
 
@@ -72,7 +71,7 @@ impl FileInfo {
             ))
         };
         let tables = Extension::deserialize(extension).map_err(|error| broken(&error))?;
-        let tables = DocumentTables::new(document, &tables);
+        let tables = DocumentTables::of_extension(document, &tables);
         let visibility = Visibility::decode(extension, &tables).map_err(|error| broken(&error))?;
         let text = |key: &str| extension.get(key).and_then(Value::as_str).unwrap_or_default().to_owned();
         info.version = text("version");

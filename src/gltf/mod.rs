@@ -22,6 +22,7 @@ mod json;
 mod kinds;
 pub mod payload;
 mod resources;
+mod tables;
 mod uri;
 mod write;
 
@@ -37,4 +38,5 @@ pub use buffers::BufferStorage;
 pub use document::{Container, Document};
 pub use error::{AccessorError, AttachError, ReadError, UriError, WriteError};
 pub use kinds::{AccessorKind, ComponentType};
+pub use tables::{DocumentTables, TableError};
 pub use write::WriteSummary;

@@ -5,6 +5,7 @@ use super::places::{Place, PlacedTree};
 use super::report::ValidationReport;
 use serde::Deserialize;
 use serde_json::Value;
+use std::collections::HashMap;
 use svs_runtime::format::NestedJson;
 
 /// The `nested` entries of a tree; broken ones, which the schema reports, are left out.
@@ -18,10 +19,12 @@ pub(super) fn check(extension: &Value, trees: &[Option<PlacedTree>], report: &mu
     for (index, outer) in trees.iter().enumerate() {
         let Some(outer) = outer else { continue };
         let entries = entries(extension, index);
+        let mut shares: HashMap<u32, usize> = HashMap::new();
+        entries.iter().for_each(|entry| *shares.entry(entry.tree).or_default() += 1);
         for (number, entry) in entries.iter().enumerate() {
             let Some(inner) = trees.get(entry.tree as usize).and_then(Option::as_ref) else { continue };
             // Of an outer tree with many anchors, each has its own share of the inner tree's anchors.
-            let share = entries.iter().filter(|other| other.tree == entry.tree).count();
+            let share = shares[&entry.tree];
             for (copy, outer_place) in outer.places.iter().enumerate() {
                 let anchor = copy.saturating_mul(share).saturating_add(entry.anchor as usize);
                 let inner_place = inner.places.get(anchor).and_then(Option::as_ref);

@@ -2,8 +2,9 @@
 
 use super::ROOT;
 use super::report::ValidationReport;
-use super::tables::Tables;
+use crate::gltf::DocumentTables;
 use serde_json::{Value, json};
+use std::collections::HashSet;
 use std::sync::Arc;
 use svs_runtime::encode::row_stride;
 use svs_runtime::{AccessorSource, DecodeError, Tree, TreeError, Visibility};
@@ -12,11 +13,11 @@ use svs_runtime::{AccessorSource, DecodeError, Tree, TreeError, Visibility};
 /// are none: what they hold could not be told apart.
 pub(super) fn decode(
     extension: &Value,
-    tables: &Tables<'_>,
+    tables: &DocumentTables<'_>,
     report: &mut ValidationReport,
 ) -> Vec<Option<Arc<Tree>>> {
     let json = extension["trees"].as_array().map_or(&[][..], Vec::as_slice);
-    let reported: Vec<String> = report.issues.iter().map(|issue| issue.pointer.clone()).collect();
+    let reported: HashSet<usize> = report.issues.iter().filter_map(|issue| tree_of(&issue.pointer)).collect();
     let trees: Vec<Option<Arc<Tree>>> = json
         .iter()
         .enumerate()
@@ -29,7 +30,7 @@ pub(super) fn decode(
                 }
                 Err(error) => {
                     // What is wrong already is not repeated in other words.
-                    if !reported.iter().any(|pointer| is_below(pointer, &at)) {
+                    if !reported.contains(&index) {
                         report_error(&error, index, report);
                     }
                     None
@@ -46,12 +47,17 @@ pub(super) fn pointer(index: usize) -> String {
     format!("{ROOT}/trees/{index}")
 }
 
-fn is_below(pointer: &str, at: &str) -> bool {
-    pointer.strip_prefix(at).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+/// The tree that a pointer leads into.
+fn tree_of(pointer: &str) -> Option<usize> {
+    pointer.strip_prefix(ROOT)?.strip_prefix("/trees/")?.split('/').next()?.parse().ok()
 }
 
 /// One tree, as if it were alone.
-fn decode_one(extension: &Value, tree: &Value, tables: &Tables<'_>) -> Result<Arc<Tree>, DecodeError> {
+fn decode_one(
+    extension: &Value,
+    tree: &Value,
+    tables: &DocumentTables<'_>,
+) -> Result<Arc<Tree>, DecodeError> {
     let mut tree = tree.clone();
     if let Some(tree) = tree.as_object_mut() {
         tree.remove("nested");
@@ -68,7 +74,7 @@ fn decode_one(extension: &Value, tree: &Value, tables: &Tables<'_>) -> Result<Ar
 fn check_together(
     extension: &Value,
     json: &[Value],
-    tables: &Tables<'_>,
+    tables: &DocumentTables<'_>,
     report: &mut ValidationReport,
 ) -> bool {
     if json.iter().all(|tree| tree.get("nested").is_none()) {
@@ -156,7 +162,13 @@ fn sentence(message: &str) -> String {
 }
 
 /// The unused bits at the end of each row must be zero; decoders do not care.
-fn check_padding(json: &Value, tree: &Tree, tables: &Tables<'_>, at: &str, report: &mut ValidationReport) {
+fn check_padding(
+    json: &Value,
+    tree: &Tree,
+    tables: &DocumentTables<'_>,
+    at: &str,
+    report: &mut ValidationReport,
+) {
     let rows = json["tables"]["LEVEL_ROW"].as_u64().and_then(|index| tables.accessor(index as usize));
     let (Some(rows), Some(bits)) = (rows, json["levelBits"].as_u64()) else { return };
     let directions = tree.direction_set().len();

@@ -2,12 +2,11 @@
 
 use super::VerifyError;
 use super::methods::Slider;
-use super::tables::DocumentTables;
 use super::target::Target;
 use super::view::View;
 use crate::bake::subject::box_in_tree;
 use crate::bake::tree::Aabb;
-use crate::gltf::Document;
+use crate::gltf::{Document, DocumentTables};
 use crate::scene::{ReadOptions, Role, Scene, read_scene};
 use glam::{DAffine3, DMat3, DMat4, Vec3};
 use serde::Deserialize;
@@ -38,7 +37,7 @@ impl Baked {
         let json = doc.json.get("extensions").and_then(|all| all.get(EXTENSION_NAME));
         let json = json.ok_or(VerifyError::NotBaked)?;
         let extension = Extension::deserialize(json).map_err(svs_runtime::DecodeError::from)?;
-        let visibility = Visibility::decode(json, &DocumentTables::new(doc, &extension))?;
+        let visibility = Visibility::decode(json, &DocumentTables::of_extension(doc, &extension))?;
         let index = extension.trees.iter().find_map(|tree| tree.scene);
         let index = index.map(|index| index as usize);
         let scene = read_scene(doc, &ReadOptions { scene: index, ..ReadOptions::default() })?;

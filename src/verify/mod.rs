@@ -15,7 +15,6 @@ mod random;
 mod report;
 mod score;
 mod statistics;
-mod tables;
 mod target;
 #[cfg(test)]
 mod tests;
@@ -27,7 +26,6 @@ pub use published_bake::{PIXEL_LIMIT, PublishedBake, RESOLUTION, Sampling};
 pub use report::{GroupReport, PublishedReport, TriangleRatios, VerifyReport};
 pub use score::{Frame, Score};
 pub use statistics::{Distribution, interpolate_log, ratio};
-pub use tables::DocumentTables;
 pub use target::Target;
 pub use view::{Frustum, View};
 

@@ -1,8 +1,11 @@
 //! Developer commands: `cargo xtask test`, `cargo xtask bench scenes`.
 
+#![forbid(unsafe_code)]
+
 mod bench;
 mod khronos;
 mod run;
+mod samples;
 mod table;
 mod test;
 
@@ -15,6 +18,7 @@ Usage: cargo xtask <COMMAND>
 
 Commands:
   test          formatting, lints and all tests, the Khronos validator among them; installs what is missing
+  samples       write the sample asset of the specification anew
   bench scenes  bake, validate and verify the public scenes and print the table of the README
       --quality draft|standard|high   quality of the bake (default: standard)
       --cameras N                     cameras per group of views (default: as `svs verify`)
@@ -27,6 +31,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words.as_slice() {
         ["test"] => test::test(),
+        ["samples"] => samples::samples(),
         ["bench", "scenes", rest @ ..] => {
             bench::Options::parse(rest).and_then(|options| bench::scenes(&options))
         }

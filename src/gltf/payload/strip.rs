@@ -5,6 +5,7 @@ use crate::gltf::document::Document;
 use crate::gltf::json;
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// Removes the extension and everything that [`super::attach`] added; returns whether there was any.
 ///
@@ -80,7 +81,7 @@ fn remove_tables(document: &mut Document, extension: &Value, before: &Map<String
     let exclusive = ours.iter().all(in_view)
         && !accessors[..first].iter().any(|accessor| mentions_view(accessor, view_index))
         && !json::array(&document.json, "images").iter().any(in_view)
-        && !scene_uses_accessors(&document.json, first);
+        && !scene_uses_accessors(&document.json, first..accessors.len());
     if !trailing || !exclusive {
         return None;
     }
@@ -145,9 +146,9 @@ fn mentions_view(accessor: &Value, view: usize) -> bool {
         .any(|pointer| accessor.pointer(pointer).and_then(json::index) == Some(view))
 }
 
-/// Whether meshes, skins, animations or instances use an accessor from `first` on.
-fn scene_uses_accessors(root: &Value, first: usize) -> bool {
-    let hit = |value: &Value| json::index(value).is_some_and(|index| index >= first);
+/// Whether meshes, skins, animations or instances use one of these accessors.
+fn scene_uses_accessors(root: &Value, accessors: Range<usize>) -> bool {
+    let hit = |value: &Value| json::index(value).is_some_and(|index| accessors.contains(&index));
     let any_hit =
         |value: Option<&Value>| value.and_then(Value::as_object).is_some_and(|map| map.values().any(hit));
     let property = |object: &Value, key: &str| object.get(key).is_some_and(hit);
