@@ -97,23 +97,6 @@ pub fn bake_tree(
 
     // Choose and prune by what the pilot saw.
     let share = options.prune.unwrap_or(DEFAULT_PRUNE).clamp(0.0, 1.0);
-        for (c, t) in candidates.iter().zip(&targets) {
-            for l in [15, 3, 2, 1] {
-                let mut st =
-                    State { hierarchy: c.hierarchy.clone(), spheres: c.spheres.clone(), target: t.clone() };
-                let v = st.visible_triangles(subject);
-                let k = prune::nodes_worth_keeping(&st.hierarchy, &subject.members, &v, share, l);
-                st.drop_nodes(&k);
-                let v = st.visible_triangles(subject);
-                eprintln!(
-                    "{:?} limit {l}: cost {} nodes {}",
-                    c.kind,
-                    choose::cost(&st.hierarchy, &st.spheres, &subject.members, &v),
-                    st.hierarchy.nodes.len()
-                );
-            }
-        }
-    }
     let (best, keep) = candidates
         .iter()
         .zip(&targets)
