@@ -2,7 +2,7 @@
 //! frustum alone.
 
 use divan::Bencher;
-use glam::{DMat4, DVec3};
+use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use svs::bake::hierarchy::HierarchyKind;

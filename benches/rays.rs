@@ -40,19 +40,25 @@ fn lines(bencher: Bencher, direction: impl Fn(usize) -> DVec3) {
     let subjects = subjects(&scene);
     let subject = subjects.iter().max_by_key(|subject| subject.parts.len()).expect("a plant has a tree");
     let rays = RayScene::new(&scene.meshes, &subject.parts);
+    // In the frame of the rays the scene is in the unit ball.
     let step = |k: usize| (k as f64 + 0.5) / GRID as f64 * 2.0 - 1.0;
     let lines: Vec<(DVec3, DVec3)> = (0..GRID * GRID)
         .map(|k| {
             let direction = direction(k);
             let (x, y) = direction.any_orthonormal_pair();
-            (rays.center() + (x * step(k % GRID) + y * step(k / GRID)) * rays.radius() * 0.7, direction)
+            ((x * step(k % GRID) + y * step(k / GRID)) * 0.7, direction)
         })
         .collect();
     let mut hits = Vec::new();
+    let mut crossings = 0;
+    for &(point, direction) in &lines {
+        rays.line(point, direction, &mut hits);
+        crossings += hits.len();
+    }
+    assert!(crossings > lines.len(), "the lines miss the scene");
     bencher.counter(ItemsCount::new(lines.len())).bench_local(|| {
         let mut total = 0;
         for &(point, direction) in black_box(&lines) {
-            hits.clear();
             rays.line(point, direction, &mut hits);
             total += hits.len();
         }

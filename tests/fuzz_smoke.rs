@@ -4,12 +4,13 @@
 mod fuzz;
 
 use fuzz::mutate::{Random, mutate, scramble};
+use fuzz::seeds::Seeds;
 use fuzz::targets;
 use std::path::Path;
 use std::sync::LazyLock;
 
 /// Target and documents; made once.
-static SEEDS: LazyLock<Vec<(&str, Vec<Vec<u8>>)>> = LazyLock::new(fuzz::seeds::all);
+static SEEDS: LazyLock<Vec<Seeds>> = LazyLock::new(fuzz::seeds::all);
 
 /// Mutations of each seed.
 const ROUNDS: u64 = 400;

@@ -8,12 +8,15 @@ use svs::generate::{SampleKind, SampleOptions, ShellOptions, generate, shells};
 use svs::gltf::Document;
 use svs_runtime::encode::{fingerprint, format_hash};
 
+/// Name of a target and what it starts from.
+pub(crate) type Seeds = (&'static str, Vec<Vec<u8>>);
+
 /// The seeds of each target.
-pub(crate) fn all() -> Vec<(&'static str, Vec<Vec<u8>>)> {
+pub(crate) fn all() -> Vec<Seeds> {
     let baked = baked();
     let glb = |(json, bin): &(Value, Vec<u8>)| input::glb(&json.to_string(), bin);
     let text = |(json, bin): &(Value, Vec<u8>)| input::join(b"{", &json.to_string(), bin);
-    let plain = vec![generated(SampleKind::Cubes, 0.004), features()];
+    let plain = [generated(SampleKind::Cubes, 0.004), features()];
     let every: Vec<(Value, Vec<u8>)> = plain.iter().chain(&baked).cloned().collect();
     vec![
         ("glb", every.iter().map(glb).collect()),
