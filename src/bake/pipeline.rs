@@ -8,7 +8,7 @@ use super::options::{BakeOptions, DEFAULT_PRUNE, HierarchyChoice};
 use super::progress::Progress;
 use super::prune;
 use super::rays::RayScene;
-use super::sample::{Ancestry, Areas, Levels, MAX_DEPTH, Target, sample_batch};
+use super::sample::{Ancestry, Areas, Levels, MAX_DEPTH, Met, Target, sample_batch};
 use super::spheres;
 use super::subject::Subject;
 use super::tree::{Hierarchy, Sphere};
@@ -88,12 +88,13 @@ pub fn bake_tree(
     let mut targets: Vec<Target> =
         candidates.iter().map(|c| Target::new(Ancestry::new(&c.hierarchy), directions.len())).collect();
 
+    let met = Met::new(subject.members.len());
     let limit = options.ray_limit();
     let crossing_limit = options.crossing_limit();
     let pilot = PILOT_RAYS.min(limit / 2).max(1);
     progress.stage("sample", Some(limit));
     let advance = |rays| progress.advance(rays);
-    let found = sample_batch(&scene, directions, &mut targets, None, pilot, 0, &advance);
+    let found = sample_batch(&scene, directions, &mut targets, None, &met, pilot, 0, &advance);
 
     // Choose and prune by what the pilot saw.
     let share = options.prune.unwrap_or(DEFAULT_PRUNE).clamp(0.0, 1.0);
@@ -132,6 +133,7 @@ pub fn bake_tree(
             directions,
             std::slice::from_mut(&mut tree.target),
             Some(&mut areas),
+            &met,
             batch,
             index,
             &advance,
@@ -150,6 +152,9 @@ pub fn bake_tree(
     }
 
     progress.stage("prune", None);
+    for member in (0..subject.members.len() as u32).filter(|&m| !met.get(m)) {
+        tree.target.levels.set_row(member, &vec![tree.target.ancestry.depth(member); directions.len()]);
+    }
     let unit = scene.radius() * scene.radius();
     let mut areas: Vec<Vec<f64>> = (0..subject.members.len() as u32)
         .map(|member| areas.largest(member).into_iter().map(|area| area * unit).collect())

@@ -12,7 +12,7 @@ use svs::bake::{self, BakeOptions, BakeReport, HierarchyChoice, Silent};
 use svs::generate::Sample;
 use svs::gltf::Document;
 use svs::scene::{ReadOptions, Scene, read_scene};
-use svs::verify::DocumentTables;
+use svs::gltf::DocumentTables;
 use svs_runtime::format::{EXTENSION_NAME, Extension};
 use svs_runtime::{Tree, Visibility};
 
@@ -46,7 +46,7 @@ pub(crate) fn trees(doc: &Document) -> Vec<Arc<Tree>> {
         return Vec::new();
     };
     let extension = Extension::deserialize(json).expect("an extension");
-    Visibility::decode(json, &DocumentTables::new(doc, &extension)).expect("valid").trees().to_vec()
+    Visibility::decode(json, &DocumentTables::of_extension(doc, &extension)).expect("valid").trees().to_vec()
 }
 
 /// For each object in document order its levels for all directions.

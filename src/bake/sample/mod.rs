@@ -24,6 +24,7 @@ use crate::bake::rays::{LineHit, RayScene};
 use levels::SharedLevels;
 use lines::{Batch, Grid};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 use svs_runtime::directions::DirectionSet;
 use walk::{End, Walker};
 
@@ -73,6 +74,29 @@ impl Target {
     }
 }
 
+/// Which members any line has met, seen or not. What none has met may be too small for the lines, and is not to be
+/// taken for hidden.
+#[derive(Debug)]
+pub(crate) struct Met(Vec<AtomicBool>);
+
+impl Met {
+    pub(crate) fn new(members: usize) -> Self {
+        Self((0..members).map(|_| AtomicBool::new(false)).collect())
+    }
+
+    #[inline(always)]
+    fn mark(&self, member: u32) {
+        let flag = &self.0[member as usize];
+        if !flag.load(Ordering::Relaxed) {
+            flag.store(true, Ordering::Relaxed);
+        }
+    }
+
+    pub(crate) fn get(&self, member: u32) -> bool {
+        self.0[member as usize].load(Ordering::Relaxed)
+    }
+}
+
 /// Traces one batch of about `rays` rays and raises the levels of all targets by what they see. The same batch
 /// `index` always traces the same rays. `areas`, if given, collects visible areas for the first target.
 pub(crate) fn sample_batch(
@@ -80,6 +104,7 @@ pub(crate) fn sample_batch(
     directions: &DirectionSet,
     targets: &mut [Target],
     mut areas: Option<&mut Areas>,
+    met: &Met,
     rays: u64,
     index: u64,
     advance: &(dyn Fn(u64) + Sync),
@@ -111,6 +136,9 @@ pub(crate) fn sample_batch(
                     rays += 2;
                     scene.line(point, grid.direction, hits);
                     crossings += hits.len() as u64;
+                    for hit in hits.iter() {
+                        met.mark(hit.member);
+                    }
                     if hits.is_empty() {
                         continue;
                     }

@@ -2,7 +2,7 @@
 
 use super::lines::Batch;
 use super::random::Random;
-use super::{Ancestry, Target, oracle, sample_batch};
+use super::{Ancestry, Met, Target, oracle, sample_batch};
 use crate::bake::hierarchy::{self, HierarchyKind};
 use crate::bake::rays::RayScene;
 use crate::bake::subject::box_in_tree;
@@ -72,7 +72,7 @@ fn levels_equal_the_oracle() {
         let mut target = Target::new(Ancestry::new(&hierarchy), directions.len());
         let (rays, index) = (40_000, seed);
         let found =
-            sample_batch(&scene, directions, std::slice::from_mut(&mut target), None, rays, index, &|_| ())
+            sample_batch(&scene, directions, std::slice::from_mut(&mut target), None, &Met::new(members.len()), rays, index, &|_| ())
                 [0];
         assert!(found.seen > 1_000);
         assert_eq!(found.seen, found.missed, "nothing was known before the first batch");
@@ -107,6 +107,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
                     directions,
                     std::slice::from_mut(&mut target),
                     Some(&mut areas),
+                    &Met::new(members.len()),
                     100_000,
                     index,
                     &|_| (),
@@ -164,6 +165,7 @@ fn areas_are_those_of_a_known_shape() {
         directions,
         std::slice::from_mut(&mut target),
         Some(&mut areas),
+        &Met::new(2),
         2_000_000,
         1,
         &|_| (),
