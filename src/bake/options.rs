@@ -111,4 +111,4 @@ impl BakeOptions {
 }
 
 /// See [`BakeOptions::crossing_limit`].
-const CROSSINGS_PER_RAY: u64 = 5;
+const CROSSINGS_PER_RAY: u64 = 4;

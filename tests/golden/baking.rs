@@ -11,8 +11,8 @@ use svs::bake::tree::Hierarchy;
 use svs::bake::{self, BakeOptions, BakeReport, HierarchyChoice, Silent};
 use svs::generate::Sample;
 use svs::gltf::Document;
-use svs::scene::{ReadOptions, Scene, read_scene};
 use svs::gltf::DocumentTables;
+use svs::scene::{ReadOptions, Scene, read_scene};
 use svs_runtime::format::{EXTENSION_NAME, Extension};
 use svs_runtime::{Tree, Visibility};
 

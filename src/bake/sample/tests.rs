@@ -71,9 +71,16 @@ fn levels_equal_the_oracle() {
         let hierarchy = hierarchy::build(kind, &members, &[]);
         let mut target = Target::new(Ancestry::new(&hierarchy), directions.len());
         let (rays, index) = (40_000, seed);
-        let found =
-            sample_batch(&scene, directions, std::slice::from_mut(&mut target), None, &Met::new(members.len()), rays, index, &|_| ())
-                [0];
+        let found = sample_batch(
+            &scene,
+            directions,
+            std::slice::from_mut(&mut target),
+            None,
+            &Met::new(members.len()),
+            rays,
+            index,
+            &|_| (),
+        )[0];
         assert!(found.seen > 1_000);
         assert_eq!(found.seen, found.missed, "nothing was known before the first batch");
 
