@@ -8,7 +8,7 @@ use super::options::{BakeOptions, DEFAULT_PRUNE, HierarchyChoice};
 use super::progress::Progress;
 use super::prune;
 use super::rays::RayScene;
-use super::sample::{Ancestry, Areas, Levels, MAX_DEPTH, Met, Target, sample_batch};
+use super::sample::{Ancestry, Areas, Found, Levels, MAX_DEPTH, Met, Target, sample_batch};
 use super::spheres;
 use super::subject::Subject;
 use super::tree::{Hierarchy, Sphere};
@@ -77,27 +77,59 @@ pub fn bake_tree(
 ) -> BakedTree {
     progress.stage("rays", None);
     let scene = RayScene::new(meshes, &subject.parts);
-
     progress.stage("hierarchy", None);
+    let candidates = candidates(subject, meshes, options);
+    progress.stage("sample", Some(options.ray_limit()));
+    let mut sampling = Sampling {
+        scene,
+        directions,
+        met: Met::new(subject.members.len()),
+        rays: 0,
+        crossings: 0,
+        missing_ppm: 0.0,
+        batches: 0,
+        progress,
+    };
+    let share = options.prune.unwrap_or(DEFAULT_PRUNE).clamp(0.0, 1.0);
+    let (mut tree, mut made) = choose_by_pilot(candidates, &mut sampling, subject, options, share);
+    let areas = sampling.sample_until_enough(&mut tree.target, options);
+
+    progress.stage("prune", None);
+    for member in (0..subject.members.len() as u32).filter(|&m| !sampling.met.get(m)) {
+        let seen_by_all = vec![tree.target.ancestry.depth(member); directions.len()];
+        tree.target.levels.set_row(member, &seen_by_all);
+    }
+    let unit = sampling.scene.radius() * sampling.scene.radius();
+    let areas = (0..subject.members.len() as u32)
+        .map(|member| areas.largest(member).into_iter().map(|area| area * unit).collect())
+        .collect();
+    made.rays = sampling.rays;
+    made.missing_ppm = sampling.missing_ppm;
+    prune_to_size(tree, areas, made, subject, directions, options, bytes_allowed)
+}
+
+/// The hierarchies to choose from.
+fn candidates(subject: &Subject, meshes: &[Mesh], options: &BakeOptions) -> Vec<Candidate> {
     let kinds: &[HierarchyKind] = match &options.hierarchy {
         HierarchyChoice::Kind(kind) => std::slice::from_ref(kind),
         HierarchyChoice::Auto => &[HierarchyKind::Scene, HierarchyKind::Octree, HierarchyKind::Bvh],
     };
-    let mut candidates: Vec<Candidate> =
-        kinds.iter().map(|&kind| candidate(kind, subject, meshes, options)).collect();
-    let mut targets: Vec<Target> =
-        candidates.iter().map(|c| Target::new(Ancestry::new(&c.hierarchy), directions.len())).collect();
+    kinds.iter().map(|&kind| candidate(kind, subject, meshes, options)).collect()
+}
 
-    let met = Met::new(subject.members.len());
-    let limit = options.ray_limit();
-    let crossing_limit = options.crossing_limit();
-    let pilot = PILOT_RAYS.min(limit / 2).max(1);
-    progress.stage("sample", Some(limit));
-    let advance = |rays| progress.advance(rays);
-    let found = sample_batch(&scene, directions, &mut targets, None, &met, pilot, 0, &advance);
-
-    // Choose and prune by what the pilot saw.
-    let share = options.prune.unwrap_or(DEFAULT_PRUNE).clamp(0.0, 1.0);
+/// Samples all candidates with the same few rays and takes the one that is cheapest after pruning, pruned.
+fn choose_by_pilot(
+    mut candidates: Vec<Candidate>,
+    sampling: &mut Sampling<'_>,
+    subject: &Subject,
+    options: &BakeOptions,
+    share: f64,
+) -> (State, Made) {
+    let mut targets: Vec<Target> = candidates
+        .iter()
+        .map(|c| Target::new(Ancestry::new(&c.hierarchy), sampling.directions.len()))
+        .collect();
+    let found = sampling.batch(&mut targets, None, pilot_rays(options));
     let (best, keep) = candidates
         .iter()
         .zip(&targets)
@@ -109,97 +141,135 @@ pub fn bake_tree(
         .min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(index, _, keep)| (index, keep))
         .unwrap_or_default();
+    sampling.missing_ppm = found[best].missing_ppm() * 0.5;
     let chosen = candidates.swap_remove(best);
-    let target = targets.swap_remove(best);
-    drop(targets);
-    let mut rays = found[best].rays;
-    let mut crossings = found[best].crossings;
-    let mut missing_ppm = found[best].missing_ppm() * 0.5;
-    let mut tree = State { spheres: chosen.spheres, hierarchy: chosen.hierarchy, target };
-    let nodes_before = tree.hierarchy.nodes.len();
+    let made = Made {
+        kind: chosen.kind,
+        nodes_before: chosen.hierarchy.nodes.len(),
+        prune: share,
+        rays: 0,
+        missing_ppm: 0.0,
+    };
+    let mut tree = State {
+        spheres: chosen.spheres,
+        hierarchy: chosen.hierarchy,
+        target: targets.swap_remove(best),
+    };
     tree.drop_nodes(&keep);
+    (tree, made)
+}
 
-    // Batches double the number of rays, and what is missing falls as one over it.
-    let mut areas = Areas::new(&tree.target.ancestry, directions.len());
-    let mut index = 1;
-    loop {
-        // What is left of the limits, going by the crossings per ray so far.
-        let left = limit.saturating_sub(rays);
-        let affordable =
-            (crossing_limit.saturating_sub(crossings) as f64 * rays as f64 / crossings.max(1) as f64) as u64;
-        let batch = rays.min(left).min(affordable).max(pilot);
+fn pilot_rays(options: &BakeOptions) -> u64 {
+    PILOT_RAYS.min(options.ray_limit() / 2).max(1)
+}
+
+/// The rays of one tree, batch by batch.
+struct Sampling<'a> {
+    scene: RayScene<'a>,
+    directions: &'a DirectionSet,
+    met: Met,
+    rays: u64,
+    crossings: u64,
+    /// Estimate for the table as it is now.
+    missing_ppm: f64,
+    batches: u64,
+    progress: &'a dyn Progress,
+}
+
+impl Sampling<'_> {
+    fn batch(&mut self, targets: &mut [Target], areas: Option<&mut Areas>, rays: u64) -> Vec<Found> {
+        let advance = |rays| self.progress.advance(rays);
         let found = sample_batch(
-            &scene,
-            directions,
-            std::slice::from_mut(&mut tree.target),
-            Some(&mut areas),
-            &met,
-            batch,
-            index,
+            &self.scene,
+            self.directions,
+            targets,
+            areas,
+            &self.met,
+            rays,
+            self.batches,
             &advance,
-        )[0];
-        let before = rays;
-        rays += found.rays;
-        crossings += found.crossings;
-        index += 1;
-        missing_ppm =
-            if found.seen == 0 { missing_ppm } else { found.missing_ppm() * before as f64 / rays as f64 };
-        let enough = missing_ppm * ESTIMATE_MARGIN <= options.target_ppm();
-        let spent = rays >= limit || crossings >= crossing_limit || batch == affordable;
-        if enough || spent || found.seen == 0 {
-            break;
+        );
+        self.batches += 1;
+        self.rays += found.first().map_or(0, |f| f.rays);
+        self.crossings += found.first().map_or(0, |f| f.crossings);
+        found
+    }
+
+    /// Doubles the number of rays until the estimate is below the target or a limit is reached; what is missing
+    /// falls as one over the number of rays. Returns the visible areas.
+    fn sample_until_enough(&mut self, target: &mut Target, options: &BakeOptions) -> Areas {
+        let (ray_limit, crossing_limit) = (options.ray_limit(), options.crossing_limit());
+        let mut areas = Areas::new(&target.ancestry, self.directions.len());
+        loop {
+            // What is left of the limits, going by the crossings per ray so far.
+            let left = ray_limit.saturating_sub(self.rays);
+            let crossings_left = crossing_limit.saturating_sub(self.crossings) as f64;
+            let affordable = (crossings_left * self.rays as f64 / self.crossings.max(1) as f64) as u64;
+            let rays = self.rays.min(left).min(affordable).max(pilot_rays(options));
+            let before = self.rays;
+            let found = self.batch(std::slice::from_mut(target), Some(&mut areas), rays)[0];
+            if found.seen > 0 {
+                self.missing_ppm = found.missing_ppm() * before as f64 / self.rays as f64;
+            }
+            let enough = self.missing_ppm * ESTIMATE_MARGIN <= options.target_ppm();
+            let spent = self.rays >= ray_limit || self.crossings >= crossing_limit || rays == affordable;
+            if enough || spent || found.seen == 0 {
+                return areas;
+            }
         }
     }
+}
 
-    progress.stage("prune", None);
-    for member in (0..subject.members.len() as u32).filter(|&m| !met.get(m)) {
-        tree.target.levels.set_row(member, &vec![tree.target.ancestry.depth(member); directions.len()]);
-    }
-    let unit = scene.radius() * scene.radius();
-    let mut areas: Vec<Vec<f64>> = (0..subject.members.len() as u32)
-        .map(|member| areas.largest(member).into_iter().map(|area| area * unit).collect())
-        .collect();
+/// Gives up spheres, and distinct rows of levels, until the tables fit.
+fn prune_to_size(
+    mut tree: State,
+    mut areas: Vec<Vec<f64>>,
+    made: Made,
+    subject: &Subject,
+    directions: &DirectionSet,
+    options: &BakeOptions,
+    bytes_allowed: u64,
+) -> BakedTree {
     // Three levels take two bits each, fifteen take four.
-    let steps = match options.prune {
-        Some(share) => vec![(share.clamp(0.0, 1.0), MOST_LEVELS)],
-        None => vec![
-            (DEFAULT_PRUNE, MOST_LEVELS),
-            (DEFAULT_PRUNE, 3),
-            (0.1, 3),
-            (0.2, 3),
-            (0.3, 3),
-            (0.5, 3),
-            (0.5, 1),
-            (1.0, 1),
-        ],
-    };
-    let mut baked = None;
-    for (share, limit) in steps {
+    let named = options.prune.map(|share| [(share.clamp(0.0, 1.0), MOST_LEVELS)]);
+    let steps = named.as_ref().map_or(PRUNE_STEPS, |named| named.as_slice());
+    let mut last = 0;
+    loop {
+        let (share, limit) = steps[last];
         let visible = tree.visible_triangles(subject);
         let keep = prune::nodes_worth_keeping(&tree.hierarchy, &subject.members, &visible, share, limit);
         tree.drop_areas(&keep, &mut areas);
         tree.drop_nodes(&keep);
-        let mut result = BakedTree {
+        let mut baked = BakedTree {
             hierarchy: tree.hierarchy.clone(),
             spheres: tree.spheres.clone(),
             levels: tree.target.levels.clone(),
             areas: areas.clone(),
-            made: Made { kind: chosen.kind, nodes_before, prune: share, rays, missing_ppm },
+            made: Made { prune: share, ..made.clone() },
         };
-        let bytes = |tree: &BakedTree| encode_tree(tree, subject, directions).bytes() as u64;
-        let mut enough = options.prune.is_some() || bytes(&result) <= bytes_allowed;
-        if !enough {
-            result.save_rows(subject, directions, bytes_allowed);
-            enough = bytes(&result) <= bytes_allowed;
+        let fits = |tree: &BakedTree| encode_tree(tree, subject, directions).bytes() as u64 <= bytes_allowed;
+        last += 1;
+        if options.prune.is_some() || fits(&baked) {
+            return baked;
         }
-        baked = Some(result);
-        if enough {
-            break;
+        baked.save_rows(subject, directions, bytes_allowed);
+        if last == steps.len() || fits(&baked) {
+            return baked;
         }
     }
-    // The list of shares is never empty.
-    baked.unwrap_or_else(|| unreachable!("at least one share was tried"))
 }
+
+/// Share of pruning and most nodes kept above any object, from what is best to what fits everywhere.
+const PRUNE_STEPS: &[(f64, u32)] = &[
+    (DEFAULT_PRUNE, MOST_LEVELS),
+    (DEFAULT_PRUNE, 3),
+    (0.1, 3),
+    (0.2, 3),
+    (0.3, 3),
+    (0.5, 3),
+    (0.5, 1),
+    (1.0, 1),
+];
 
 /// A hierarchy with what has been seen of it.
 struct State {
