@@ -1,7 +1,7 @@
 //! The trees by themselves. The runtime's decoder checks them; here its errors get codes and places.
 
 use super::ROOT;
-use super::report::ValidationReport;
+use super::report::{Severity, ValidationReport};
 use crate::gltf::DocumentTables;
 use serde_json::{Value, json};
 use std::collections::HashSet;
@@ -17,7 +17,8 @@ pub(super) fn decode(
     report: &mut ValidationReport,
 ) -> Vec<Option<Arc<Tree>>> {
     let json = extension["trees"].as_array().map_or(&[][..], Vec::as_slice);
-    let reported: HashSet<usize> = report.issues.iter().filter_map(|issue| tree_of(&issue.pointer)).collect();
+    let errors = report.issues.iter().filter(|issue| issue.severity == Severity::Error);
+    let reported: HashSet<usize> = errors.filter_map(|issue| tree_of(&issue.pointer)).collect();
     let trees: Vec<Option<Arc<Tree>>> = json
         .iter()
         .enumerate()

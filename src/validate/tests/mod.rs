@@ -86,6 +86,14 @@ fn tables() {
     sample.bytes(0, "_COLOUR", &[1, 2]);
     sample.expect(Severity::Information, "UNKNOWN_TABLE", &format!("{TREE}/tables/NODE_COLOUR"));
 
+    // A misspelt name is information; that the table is missing must be said all the same.
+    let mut sample = Sample::example();
+    let tables = sample.tree(0)["tables"].as_object_mut().unwrap();
+    let index = tables.remove("LEVEL_ROW_INDEX").unwrap();
+    tables.insert("LEVEL_ROWS_INDEX".to_owned(), index);
+    let codes = sample.codes();
+    assert_eq!(codes, ["UNKNOWN_TABLE", "TABLE_LENGTH"]);
+
     let mut sample = Sample::example();
     sample.table("IMPORTANCE")["normalized"] = json!(true);
     sample.expect_error("TABLE_STORAGE", "/tables/IMPORTANCE");
