@@ -101,14 +101,21 @@ impl BakeOptions {
         })
     }
 
-    /// Most surfaces that rays may cross: in a scene of many layers a ray costs more, so a preset gives fewer.
-    pub fn crossing_limit(&self) -> u64 {
+    /// Most surfaces that rays may cross in a scene of so many drawn triangles. A ray costs more the more it
+    /// crosses and, through the processor's caches, the larger the scene is; so a preset gives fewer rays there.
+    pub fn crossing_limit(&self, triangles: u64) -> u64 {
         match (self.rays, self.max_missing_ppm) {
-            (None, None) => self.ray_limit().saturating_mul(CROSSINGS_PER_RAY),
+            (None, None) => {
+                let size = (LARGE_SCENE / triangles.max(1) as f64).sqrt().min(1.0);
+                (self.ray_limit() as f64 * CROSSINGS_PER_RAY * size) as u64
+            }
             _ => u64::MAX,
         }
     }
 }
 
 /// See [`BakeOptions::crossing_limit`].
-const CROSSINGS_PER_RAY: u64 = 4;
+const CROSSINGS_PER_RAY: f64 = 4.0;
+
+/// Triangles from which on a ray costs noticeably more.
+const LARGE_SCENE: f64 = 1e6;

@@ -8,7 +8,7 @@ use super::options::{BakeOptions, DEFAULT_PRUNE, HierarchyChoice};
 use super::progress::Progress;
 use super::prune;
 use super::rays::RayScene;
-use super::sample::{Ancestry, Areas, Found, Levels, MAX_DEPTH, Met, Target, sample_batch};
+use super::sample::{Ancestry, Areas, Found, Levels, MAX_DEPTH, Met, Observer, Target, sample_batch};
 use super::spheres;
 use super::subject::Subject;
 use super::tree::{Hierarchy, Sphere};
@@ -84,6 +84,7 @@ pub fn bake_tree(
         scene,
         directions,
         met: Met::new(subject.members.len()),
+        triangles: subject.members.iter().map(|m| u64::from(m.triangles)).sum(),
         rays: 0,
         crossings: 0,
         missing_ppm: 0.0,
@@ -150,11 +151,8 @@ fn choose_by_pilot(
         rays: 0,
         missing_ppm: 0.0,
     };
-    let mut tree = State {
-        spheres: chosen.spheres,
-        hierarchy: chosen.hierarchy,
-        target: targets.swap_remove(best),
-    };
+    let mut tree =
+        State { spheres: chosen.spheres, hierarchy: chosen.hierarchy, target: targets.swap_remove(best) };
     tree.drop_nodes(&keep);
     (tree, made)
 }
@@ -168,6 +166,8 @@ struct Sampling<'a> {
     scene: RayScene<'a>,
     directions: &'a DirectionSet,
     met: Met,
+    /// Drawn by the tree's objects.
+    triangles: u64,
     rays: u64,
     crossings: u64,
     /// Estimate for the table as it is now.
@@ -179,16 +179,8 @@ struct Sampling<'a> {
 impl Sampling<'_> {
     fn batch(&mut self, targets: &mut [Target], areas: Option<&mut Areas>, rays: u64) -> Vec<Found> {
         let advance = |rays| self.progress.advance(rays);
-        let found = sample_batch(
-            &self.scene,
-            self.directions,
-            targets,
-            areas,
-            &self.met,
-            rays,
-            self.batches,
-            &advance,
-        );
+        let observer = Observer { areas, met: &self.met, advance: &advance };
+        let found = sample_batch(&self.scene, self.directions, targets, observer, rays, self.batches);
         self.batches += 1;
         self.rays += found.first().map_or(0, |f| f.rays);
         self.crossings += found.first().map_or(0, |f| f.crossings);
@@ -198,7 +190,8 @@ impl Sampling<'_> {
     /// Doubles the number of rays until the estimate is below the target or a limit is reached; what is missing
     /// falls as one over the number of rays. Returns the visible areas.
     fn sample_until_enough(&mut self, target: &mut Target, options: &BakeOptions) -> Areas {
-        let (ray_limit, crossing_limit) = (options.ray_limit(), options.crossing_limit());
+        let ray_limit = options.ray_limit();
+        let crossing_limit = options.crossing_limit(self.triangles);
         let mut areas = Areas::new(&target.ancestry, self.directions.len());
         loop {
             // What is left of the limits, going by the crossings per ray so far.

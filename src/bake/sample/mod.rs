@@ -97,18 +97,27 @@ impl Met {
     }
 }
 
+/// What a batch tells besides levels.
+pub(crate) struct Observer<'a> {
+    /// Collects visible areas for the first target.
+    pub areas: Option<&'a mut Areas>,
+    /// Members met by any line.
+    pub met: &'a Met,
+    /// Called with numbers of rays done, from several threads.
+    pub advance: &'a (dyn Fn(u64) + Sync),
+}
+
 /// Traces one batch of about `rays` rays and raises the levels of all targets by what they see. The same batch
-/// `index` always traces the same rays. `areas`, if given, collects visible areas for the first target.
+/// `index` always traces the same rays.
 pub(crate) fn sample_batch(
     scene: &RayScene<'_>,
     directions: &DirectionSet,
     targets: &mut [Target],
-    mut areas: Option<&mut Areas>,
-    met: &Met,
+    observer: Observer<'_>,
     rays: u64,
     index: u64,
-    advance: &(dyn Fn(u64) + Sync),
 ) -> Vec<Found> {
+    let Observer { mut areas, met, advance } = observer;
     let batch = batch(scene, directions, rays, index);
     let shared: Vec<SharedLevels> = targets.iter().map(|t| SharedLevels::from_levels(&t.levels)).collect();
     let bins = |grid: &Grid| {

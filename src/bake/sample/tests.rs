@@ -2,7 +2,7 @@
 
 use super::lines::Batch;
 use super::random::Random;
-use super::{Ancestry, Met, Target, oracle, sample_batch};
+use super::{Ancestry, Met, Observer, Target, oracle, sample_batch};
 use crate::bake::hierarchy::{self, HierarchyKind};
 use crate::bake::rays::RayScene;
 use crate::bake::subject::box_in_tree;
@@ -57,6 +57,10 @@ fn random_scene(seed: u64) -> (Vec<Mesh>, Vec<Member>, Vec<Part>) {
     (meshes, members, parts)
 }
 
+fn quiet(met: &Met) -> Observer<'_> {
+    Observer { areas: None, met, advance: &|_| () }
+}
+
 #[test]
 fn levels_equal_the_oracle() {
     let directions = DirectionSet::by_name("dodecahedron").unwrap();
@@ -75,11 +79,9 @@ fn levels_equal_the_oracle() {
             &scene,
             directions,
             std::slice::from_mut(&mut target),
-            None,
-            &Met::new(members.len()),
+            quiet(&Met::new(members.len())),
             rays,
             index,
-            &|_| (),
         )[0];
         assert!(found.seen > 1_000);
         assert_eq!(found.seen, found.missed, "nothing was known before the first batch");
@@ -113,11 +115,9 @@ fn results_do_not_depend_on_the_number_of_threads() {
                     &scene,
                     directions,
                     std::slice::from_mut(&mut target),
-                    Some(&mut areas),
-                    &Met::new(members.len()),
+                    Observer { areas: Some(&mut areas), ..quiet(&Met::new(members.len())) },
                     100_000,
                     index,
-                    &|_| (),
                 ));
             }
             let areas: Vec<Vec<f64>> = (0..members.len() as u32).map(|m| areas.largest(m)).collect();
@@ -171,11 +171,9 @@ fn areas_are_those_of_a_known_shape() {
         &scene,
         directions,
         std::slice::from_mut(&mut target),
-        Some(&mut areas),
-        &Met::new(2),
+        Observer { areas: Some(&mut areas), ..quiet(&Met::new(2)) },
         2_000_000,
         1,
-        &|_| (),
     );
     for member in 0..2 {
         let area = areas.largest(member)[0] * scene.radius() * scene.radius();
