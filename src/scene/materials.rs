@@ -64,7 +64,9 @@ impl UvTransform {
     /// Whether texture coordinates stay finite in f32, if they are within 1e9 before.
     fn is_usable(&self) -> bool {
         // Written so that NaN is out of range.
-        self.offset.abs().max_element() <= 1.0e9 && self.scale.abs().max_element() <= 1.0e9
+        self.rotation.is_finite()
+            && self.offset.abs().max_element() <= 1.0e9
+            && self.scale.abs().max_element() <= 1.0e9
     }
 
     /// Bit patterns, so that surfaces with equal transforms can share vertices.
