@@ -58,7 +58,9 @@ impl UvTransform {
         let (sin, cos) = self.rotation.sin_cos();
         let scaled = uv.as_dvec2() * self.scale;
         let rotated = DVec2::new(cos * scaled.x + sin * scaled.y, cos * scaled.y - sin * scaled.x);
-        (rotated + self.offset).as_vec2()
+        let moved = (rotated + self.offset).as_vec2();
+        // Coordinates of broken files; a texture is looked up somewhere, whatever they are.
+        if moved.is_finite() { moved } else { Vec2::ZERO }
     }
 
     /// Whether texture coordinates stay finite in f32, if they are within 1e9 before.
