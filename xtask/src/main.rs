@@ -6,6 +6,7 @@ mod bench;
 mod khronos;
 mod run;
 mod samples;
+mod system;
 mod table;
 mod test;
 

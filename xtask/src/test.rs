@@ -1,6 +1,6 @@
 //! `cargo xtask test`: everything that must hold before a change is taken.
 
-use crate::{khronos, run};
+use crate::{khronos, run, system};
 
 pub(crate) fn test() -> Result<(), String> {
     for (tool, component) in [("fmt", "rustfmt"), ("clippy", "clippy")] {
@@ -15,7 +15,21 @@ pub(crate) fn test() -> Result<(), String> {
         "lints",
         run::cargo().args(["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"]),
     )?;
+    run::step(
+        "lints without the renderer",
+        run::cargo().args([
+            "clippy",
+            "--release",
+            "-p",
+            "svs",
+            "--no-default-features",
+            "--",
+            "-D",
+            "warnings",
+        ]),
+    )?;
     khronos::install()?;
+    system::install()?;
     // Last, so that the output ends with the test runners' own summaries. The Khronos validator runs in here.
     let mut tests = run::cargo();
     tests.args(["test", "--release", "--workspace"]).env("SVS_REQUIRE_KHRONOS", "1");
