@@ -1,4 +1,4 @@
-//! Developer commands: `cargo xtask test`, `cargo xtask bench scenes`.
+//! Developer commands: `cargo xtask test`, `cargo xtask bench`, `cargo xtask samples`.
 
 #![forbid(unsafe_code)]
 
@@ -25,6 +25,12 @@ Commands:
       --cameras N                     cameras per group of views (default: as `svs verify`)
       --only NAME                     only scenes whose name contains NAME
       --scenes FOLDER                 where the scenes are (default: ../shared/scenes)
+  bench frames  fly through the public scenes and three large generated ones and print the tables of the README;
+                reports are left in target/bench/frames
+      --only NAME                     only scenes whose name contains NAME
+      --frames N                      frames of each path (default: 48; 16 in the large scenes)
+      --passes N                      times each frame is timed (default: 3)
+      --scenes FOLDER                 where the public scenes are (default: ../shared/scenes)
 ";
 
 fn main() -> ExitCode {
@@ -34,7 +40,10 @@ fn main() -> ExitCode {
         ["test"] => test::test(),
         ["samples"] => samples::samples(),
         ["bench", "scenes", rest @ ..] => {
-            bench::Options::parse(rest).and_then(|options| bench::scenes(&options))
+            bench::scenes::Options::parse(rest).and_then(|options| bench::scenes::scenes(&options))
+        }
+        ["bench", "frames", rest @ ..] => {
+            bench::frames::Options::parse(rest).and_then(|options| bench::frames::frames(&options))
         }
         [] | ["help" | "-h" | "--help", ..] => {
             print!("{USAGE}");

@@ -1,10 +1,10 @@
 //! `cargo xtask bench scenes`: bakes, validates and verifies the public scenes and prints the README's table.
 
+use super::{at, build_svs, find_scenes, folder, save, svs};
 use crate::table::{count, markdown, median, short};
 use crate::{khronos, run};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Methods in the report of `svs verify --json`: ours as it comes, ours with as many triangles as the published
 /// method draws, and the published method.
@@ -46,13 +46,15 @@ impl Options {
 
 /// Runs everything; scenes that fail are named at the end, after the table of the others.
 pub(crate) fn scenes(options: &Options) -> Result<(), String> {
-    run::step("build svs", run::cargo().args(["build", "--release", "--package", "svs", "--bin", "svs"]))?;
-    let folder = run::target().join("bench");
-    std::fs::create_dir_all(&folder)
-        .map_err(|error| format!("cannot create {}: {error}", folder.display()))?;
+    build_svs()?;
+    let folder = folder("")?;
+    let found = find_scenes(&options.scenes, &options.only)?;
+    if found.is_empty() {
+        return Err(format!("no scene matches in {}", options.scenes.display()));
+    }
     let mut results = Vec::new();
     let mut failed = Vec::new();
-    for (name, file) in find_scenes(options)? {
+    for (name, file) in found {
         eprintln!("== {name}");
         match measure(options, &file, &folder.join(format!("{name}.svs.glb"))) {
             Ok(mut result) => {
@@ -61,43 +63,14 @@ pub(crate) fn scenes(options: &Options) -> Result<(), String> {
             }
             Err(error) => failed.push(format!("{name}: {error}")),
         }
-        // After each scene: an interrupted run loses nothing.
-        let all = json!({ "quality": options.quality, "scenes": results });
-        let path = folder.join("scenes.json");
-        std::fs::write(&path, format!("{all:#}\n"))
-            .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+        save(&folder.join("scenes.json"), &json!({ "quality": options.quality, "scenes": results }))?;
     }
     println!("{}", report(&results));
     if failed.is_empty() { Ok(()) } else { Err(format!("not all scenes passed\n{}", failed.join("\n"))) }
 }
 
-/// Name and file of each scene: a folder's GLB.
-fn find_scenes(options: &Options) -> Result<Vec<(String, PathBuf)>, String> {
-    let entries = |folder: &Path| -> Result<Vec<PathBuf>, String> {
-        let list = std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-        let mut paths: Vec<PathBuf> = list.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
-        paths.sort();
-        Ok(paths)
-    };
-    let mut scenes = Vec::new();
-    for folder in entries(&options.scenes)? {
-        let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if !folder.is_dir() || !name.contains(&options.only) {
-            continue;
-        }
-        let glb = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "glb");
-        scenes.extend(entries(&folder)?.into_iter().find(glb).map(|file| (name, file)));
-    }
-    if scenes.is_empty() {
-        return Err(format!("no scene matches in {}", options.scenes.display()));
-    }
-    Ok(scenes)
-}
-
 /// Bakes one scene, checks the result with both validators, measures it.
 fn measure(options: &Options, input: &Path, output: &Path) -> Result<Value, String> {
-    let svs =
-        || Command::new(run::target().join("release").join(format!("svs{}", std::env::consts::EXE_SUFFIX)));
     let build = run::json(svs().arg("build").arg(input).arg("-o").arg(output).args([
         "--quality",
         &options.quality,
@@ -126,11 +99,6 @@ fn measure(options: &Options, input: &Path, output: &Path) -> Result<Value, Stri
         short(at(&verify, "/wall_seconds"))
     );
     Ok(json!({ "build": build, "validate": validation, "khronos": khronos, "verify": verify }))
-}
-
-/// Number at a JSON pointer, NaN if there is none.
-fn at(value: &Value, pointer: &str) -> f64 {
-    value.pointer(pointer).and_then(Value::as_f64).unwrap_or(f64::NAN)
 }
 
 /// Mean missing ppm and triangles over those in the frustum, of a method in a group of cameras.
