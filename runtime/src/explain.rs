@@ -1,6 +1,6 @@
 //! Why an object is drawn or not, and which spheres answer.
 
-use crate::camera::{Camera, Containment};
+use crate::camera::Camera;
 use crate::cull::Instance;
 use crate::estimate::{is_around, visible_pixels};
 use crate::query::Settings;
@@ -212,8 +212,7 @@ impl Instance {
         std::iter::from_fn(move || {
             while let Some(node) = nodes.get(index) {
                 let at = index;
-                let outside =
-                    || settings.frustum && camera.contains(&self.boxes.nodes[at]) == Containment::Outside;
+                let outside = || settings.frustum && !camera.sees(&self.boxes.nodes[at]);
                 if node.object_count == 0 || outside() {
                     index += node.subtree as usize;
                 } else if pass.is_usable(at, node, max_sine) {

@@ -13,6 +13,7 @@ mod error;
 mod estimate;
 mod explain;
 pub mod format;
+mod frustum;
 mod loose;
 mod query;
 mod scene;

@@ -4,8 +4,9 @@
 //! all objects below it; what hangs below no such node is drawn if it is in the frustum.
 
 use crate::bounds::Bounds;
-use crate::camera::{Camera, Containment};
+use crate::camera::Camera;
 use crate::estimate::is_around;
+use crate::frustum::Frustum;
 use crate::query::{Query, Settings};
 use crate::tree::{Node, ObjectRow, Tree};
 use glam::DVec3;
@@ -35,7 +36,7 @@ impl std::ops::AddAssign for CullStatistics {
 }
 
 /// An object to draw, as a pass reports it: its place alone, or with what an estimate of its size needs.
-pub(crate) trait Hit: Copy {
+pub(crate) trait Hit: Copy + Default {
     /// Sizes are wanted: what is dropped for its size is added up.
     const MEASURED: bool;
     /// `height` is that of the sphere that answered, above the object; 0 if the frustum alone decided.
@@ -89,7 +90,15 @@ pub(crate) struct Boxes {
     pub(crate) objects: Vec<Bounds>,
     /// Union of the objects' boxes: always right, and mostly tighter than the sphere.
     pub(crate) nodes: Vec<Bounds>,
+    /// Unions of [`CHUNK`] objects each in tree order, for where there are no nodes.
+    chunks: Vec<Bounds>,
 }
+
+/// Objects with a common box where there are no nodes.
+const CHUNK: u32 = 16;
+
+/// Nodes of fewer objects are not looked at for [`Pass::scan`]: asking each object is as fast.
+const LEAST_OBJECTS: u32 = 12;
 
 /// Objects hidden at run time, and per node how many disturbances there are below it.
 #[derive(Clone, Debug)]
@@ -140,40 +149,36 @@ impl Pass<'_> {
         let mut statistics = CullStatistics::default();
         let before = out.list.len();
         let nodes = self.tree.nodes();
-        // Objects up to here are dealt with, and objects up to there are known to be in the frustum.
-        let (mut place, mut inside_end) = (0, if self.settings.frustum { 0 } else { u32::MAX });
+        let mut frustum = Frustum::new(self.camera, self.settings.frustum);
+        // Objects up to here are dealt with.
+        let mut place = 0;
         let mut index = 0;
         while index < nodes.len() {
             let node = &nodes[index];
             let objects = node.objects();
             // What lies between hangs on an ancestor (or on nothing), and no sphere above it could be used.
-            self.draw_in_frustum(place..objects.start, inside_end, out, &mut statistics);
+            self.draw_in_frustum(place..objects.start, &mut frustum, out, &mut statistics);
             place = objects.start;
             let skip = index + node.subtree as usize;
             if objects.is_empty() {
                 index = skip;
-                continue;
-            }
-            if objects.end > inside_end {
-                match self.camera.contains(&self.boxes.nodes[index]) {
-                    Containment::Outside => {
-                        (place, index) = (objects.end, skip);
-                        continue;
-                    }
-                    Containment::Inside => inside_end = objects.end,
-                    Containment::Intersects => {}
+            } else if !frustum.enter(&self.boxes.nodes[index], objects.end) {
+                (place, index) = (objects.end, skip);
+            } else if max_sine <= 0.0 {
+                // No sphere is used: what is wholly inside needs no look at its nodes.
+                index = if frustum.is_inside(objects.end) { skip } else { index + 1 };
+            } else {
+                statistics.spheres_tested += 1;
+                if self.is_usable(index, node, max_sine) {
+                    statistics.spheres_used += 1;
+                    self.scan(index, &mut frustum, &thresholds, out, &mut statistics);
+                    (place, index) = (objects.end, skip);
+                } else {
+                    index += 1;
                 }
             }
-            statistics.spheres_tested += 1;
-            if self.is_usable(index, node, max_sine) {
-                statistics.spheres_used += 1;
-                self.scan(node, objects.end <= inside_end, &thresholds, out, &mut statistics);
-                (place, index) = (objects.end, skip);
-            } else {
-                index += 1;
-            }
         }
-        self.draw_in_frustum(place..self.tree.object_count, inside_end, out, &mut statistics);
+        self.draw_in_frustum(place..self.tree.object_count, &mut frustum, out, &mut statistics);
         statistics.drawn = out.list.len() - before;
         statistics
     }
@@ -210,57 +215,209 @@ impl Pass<'_> {
     fn draw_in_frustum<T: Hit>(
         &self,
         places: Range<u32>,
-        inside_end: u32,
+        frustum: &mut Frustum<'_>,
         out: &mut Hits<T>,
         statistics: &mut CullStatistics,
     ) {
         statistics.objects_tested += places.len();
-        for place in places {
-            let visible = place < inside_end || self.camera.sees(&self.boxes.objects[place as usize]);
-            if visible && self.hidden.is_none_or(|hidden| !hidden.objects[place as usize]) {
-                out.list.push(T::new(place, 0));
-            }
+        match self.hidden {
+            None if frustum.is_inside(places.end) => out.list.extend(places.map(|place| T::new(place, 0))),
+            None => self.in_frustum(places, frustum, |place| out.list.push(T::new(place, 0))),
+            Some(hidden) => self.in_frustum(places, frustum, |place| {
+                if !hidden.objects[place as usize] {
+                    out.list.push(T::new(place, 0));
+                }
+            }),
         }
     }
 
-    /// Asks a usable node for all objects below it.
+    /// Hands on the places of what is in the frustum.
+    #[inline]
+    fn in_frustum(&self, places: Range<u32>, frustum: &mut Frustum<'_>, mut each: impl FnMut(u32)) {
+        if frustum.is_inside(places.end) {
+            places.for_each(each);
+            return;
+        }
+        let mut place = places.start;
+        while place < places.end {
+            let end = if place.is_multiple_of(CHUNK) && places.end - place >= CHUNK {
+                let end = place + CHUNK;
+                if !frustum.enter(&self.boxes.chunks[(place / CHUNK) as usize], end) {
+                    place = end;
+                    continue;
+                }
+                end
+            } else {
+                places.end.min((place / CHUNK + 1).saturating_mul(CHUNK))
+            };
+            for place in place..end {
+                if frustum.sees(&self.boxes.objects[place as usize], place) {
+                    each(place);
+                }
+            }
+            place = end;
+        }
+    }
+
+    /// Asks a usable node for all objects below it. Where each object has its own direction, nodes below it are looked at
+    /// too: seen from afar, all objects of such a node share a bin.
     fn scan<T: Hit>(
         &self,
-        node: &Node,
-        inside: bool,
+        index: usize,
+        frustum: &mut Frustum<'_>,
         thresholds: &Thresholds,
         out: &mut Hits<T>,
         statistics: &mut CullStatistics,
     ) {
+        let nodes = self.tree.nodes();
+        let node = &nodes[index];
         statistics.objects_tested += node.object_count as usize;
         let bins = self.sphere_bins(node);
-        for place in node.objects() {
+        let inside = frustum.is_inside(node.objects().end);
+        let by_bin = !thresholds.sizes && (thresholds.triangle.is_none() || self.tree.directions.is_acute());
+        if bins.is_some() || inside && !by_bin {
+            self.ask_each(node, node.objects(), frustum, bins.as_ref(), thresholds, out);
+            return;
+        }
+        // Objects up to here are dealt with.
+        let mut place = node.first_object;
+        let end = index + node.subtree as usize;
+        let mut at = index;
+        while at < end {
+            let inner = &nodes[at];
+            let objects = inner.objects();
+            let skip = at + inner.subtree as usize;
+            if inner.object_count < LEAST_OBJECTS {
+                // Asked with what follows.
+                at = skip;
+                continue;
+            }
+            self.ask_each(node, place..objects.start, frustum, None, thresholds, out);
+            place = objects.start;
+            if !frustum.enter(&self.boxes.nodes[at], objects.end) {
+                (place, at) = (objects.end, skip);
+                continue;
+            }
+            match self.common_bin(at).filter(|_| by_bin && frustum.is_inside(objects.end)) {
+                Some(bin) => {
+                    self.ask_bin(node, objects.clone(), bin, thresholds, out);
+                    (place, at) = (objects.end, skip);
+                }
+                None => at += 1,
+            }
+        }
+        self.ask_each(node, place..node.objects().end, frustum, None, thresholds, out);
+    }
+
+    /// The bin in which all objects below a node see the eye, if there is one for sure and the eye is around none of them.
+    fn common_bin(&self, node: usize) -> Option<usize> {
+        let bounds = &self.boxes.nodes[node];
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let middle = (min + max) * 0.5;
+        let to_eye = self.camera.eye() - middle;
+        let distance = to_eye.length();
+        let radius = (max - min).length() * 0.5;
+        // Far above what rounding can move an object's middle or its direction.
+        let coordinates = self.camera.eye().abs().max_element() + middle.abs().max_element();
+        let margin = radius * 1e-6 + distance * 1e-9 + coordinates * 1e-12;
+        // An object's box is in the node's: its middle is at most `radius` away, and so are its corners from that.
+        if distance <= 2.0 * (radius + margin) || !distance.is_finite() {
+            return None;
+        }
+        self.tree.directions.bin_around(to_eye, radius + margin)
+    }
+
+    /// Asks for objects below `node`, in the frustum, that all have this bin and are not around the eye.
+    ///
+    /// The triangle around a direction is one of those at its bin, so that what neither the bin nor a neighbour sees needs no
+    /// closer look.
+    fn ask_bin<T: Hit>(
+        &self,
+        node: &Node,
+        places: Range<u32>,
+        bin: usize,
+        thresholds: &Thresholds,
+        out: &mut Hits<T>,
+    ) {
+        let (triangle, ring) = (thresholds.triangle.is_some(), thresholds.ring.is_some());
+        let neighbours = if triangle || ring { self.tree.directions.ring(bin) } else { &[] };
+        let mut length = out.list.len();
+        // Room for all: writing each and keeping it or not needs no branch that goes now this way, now that.
+        out.list.resize(length + places.len(), T::default());
+        for place in places {
+            let object = &self.tree.objects[place as usize];
+            let height = object.depth - node.depth;
+            let sees = |bin: usize| u32::from(self.tree.row_level(object, bin)) >= height;
+            let reaches = u32::from(object.max_level) >= height;
+            let in_bin = reaches && sees(bin);
+            let near = || neighbours.iter().any(|&bin| sees(usize::from(bin)));
+            let seen = if thresholds.sizes {
+                reaches
+                    && (in_bin || near())
+                    && self.draws::<T>(place, height, None, thresholds, &mut out.too_small)
+            } else {
+                let mut closer =
+                    || ring || self.draws::<T>(place, height, None, thresholds, &mut out.too_small);
+                in_bin || reaches && near() && closer()
+            };
+            out.list[length] = T::new(place, height);
+            length += usize::from(seen);
+        }
+        out.list.truncate(length);
+    }
+
+    /// Asks for each of the objects, which are below `node`.
+    fn ask_each<T: Hit>(
+        &self,
+        node: &Node,
+        places: Range<u32>,
+        frustum: &mut Frustum<'_>,
+        bins: Option<&SphereBins>,
+        thresholds: &Thresholds,
+        out: &mut Hits<T>,
+    ) {
+        self.in_frustum(places, frustum, |place| {
             let object = &self.tree.objects[place as usize];
             let height = object.depth - node.depth;
             if u32::from(object.max_level) < height {
-                continue;
+                return;
             }
-            let bounds = &self.boxes.objects[place as usize];
-            if !inside && !self.camera.sees(bounds) {
-                continue;
-            }
-            let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-            let to_eye = self.camera.eye() - (min + max) * 0.5;
-            let distance_squared = to_eye.length_squared();
-            // Some bin sees it at this height.
-            let around = is_around(bounds, distance_squared);
-            let passes = |least: &Thresholds| {
-                self.passes(object, height, to_eye, distance_squared, bins.as_ref(), least)
-            };
-            if around || passes(thresholds) {
+            if self.draws::<T>(place, height, bins, thresholds, &mut out.too_small) {
                 out.list.push(T::new(place, height));
-            } else if T::MEASURED && thresholds.sizes && passes(&thresholds.without_sizes()) {
-                out.too_small +=
-                    self.tree.area(object, height) * thresholds.pixels_squared / distance_squared;
             }
-        }
+        });
     }
 
+    /// Asks for one object, which some bin sees at this height.
+    #[inline]
+    fn draws<T: Hit>(
+        &self,
+        place: u32,
+        height: u32,
+        bins: Option<&SphereBins>,
+        thresholds: &Thresholds,
+        too_small: &mut f64,
+    ) -> bool {
+        let object = &self.tree.objects[place as usize];
+        let bounds = &self.boxes.objects[place as usize];
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let to_eye = self.camera.eye() - (min + max) * 0.5;
+        let distance_squared = to_eye.length_squared();
+        if is_around(bounds, distance_squared)
+            || self.passes(object, height, to_eye, distance_squared, bins, thresholds)
+        {
+            return true;
+        }
+        if T::MEASURED && thresholds.sizes {
+            let any_size = thresholds.without_sizes();
+            if self.passes(object, height, to_eye, distance_squared, bins, &any_size) {
+                *too_small += self.tree.area(object, height) * thresholds.pixels_squared / distance_squared;
+            }
+        }
+        false
+    }
+
+    #[inline]
     pub(crate) fn passes(
         &self,
         object: &ObjectRow,
@@ -355,7 +512,14 @@ impl Boxes {
                 nodes[parent as usize].extend(&child);
             }
         }
-        Self { objects: objects.to_vec(), nodes }
+        let union = |boxes: &[Bounds]| {
+            boxes.iter().fold(Bounds::EMPTY, |mut union, bounds| {
+                union.extend(bounds);
+                union
+            })
+        };
+        let chunks = objects.chunks(CHUNK as usize).map(union).collect();
+        Self { objects: objects.to_vec(), nodes, chunks }
     }
 }
 
