@@ -1,11 +1,12 @@
 //! Why an object is drawn or not, and which spheres answer.
 
+use crate::ask::Thresholds;
 use crate::camera::Camera;
 use crate::cull::Instance;
 use crate::estimate::{is_around, visible_pixels};
+use crate::hits::{Hits, Measured};
 use crate::query::Settings;
 use crate::scene::{Draw, LOOSE, Placed, SceneCuller, walk};
-use crate::traverse::{Hits, Measured, Thresholds};
 use glam::DVec3;
 
 /// Why culling draws an object or not, before any budget. Whether a budget then left it out shows in what

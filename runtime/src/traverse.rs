@@ -3,13 +3,12 @@
 //! Nodes are walked in depth-first order with skip pointers, without a stack. A node whose sphere can be used answers for
 //! all objects below it; what hangs below no such node is drawn if it is in the frustum.
 
-use crate::bounds::Bounds;
+use crate::boxes::{Boxes, CHUNK};
 use crate::camera::Camera;
-use crate::estimate::is_around;
 use crate::frustum::Frustum;
-use crate::query::{Query, Settings};
-use crate::tree::{Node, ObjectRow, Tree};
-use glam::DVec3;
+use crate::hits::{Hit, Hits};
+use crate::query::Settings;
+use crate::tree::{Node, Tree};
 use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
 
@@ -35,71 +34,6 @@ impl std::ops::AddAssign for CullStatistics {
     }
 }
 
-/// An object to draw, as a pass reports it: its place alone, or with what an estimate of its size needs.
-pub(crate) trait Hit: Copy + Default {
-    /// Sizes are wanted: what is dropped for its size is added up.
-    const MEASURED: bool;
-    /// `height` is that of the sphere that answered, above the object; 0 if the frustum alone decided.
-    fn new(place: u32, height: u32) -> Self;
-    /// Place in tree order.
-    fn place(self) -> u32;
-}
-
-impl Hit for u32 {
-    const MEASURED: bool = false;
-    #[inline]
-    fn new(place: u32, _: u32) -> Self {
-        place
-    }
-    #[inline]
-    fn place(self) -> u32 {
-        self
-    }
-}
-
-/// An object and the height of the sphere that answered for it, 0 without.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Measured {
-    pub(crate) place: u32,
-    pub(crate) height: u32,
-}
-
-impl Hit for Measured {
-    const MEASURED: bool = true;
-    #[inline]
-    fn new(place: u32, height: u32) -> Self {
-        Self { place, height }
-    }
-    #[inline]
-    fn place(self) -> u32 {
-        self.place
-    }
-}
-
-/// What passes report.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Hits<T> {
-    pub(crate) list: Vec<T>,
-    /// Estimated visible pixels of what was dropped only for its size, if that is measured.
-    pub(crate) too_small: f64,
-}
-
-/// Boxes of a tree's objects and nodes.
-#[derive(Debug)]
-pub(crate) struct Boxes {
-    pub(crate) objects: Vec<Bounds>,
-    /// Union of the objects' boxes: always right, and mostly tighter than the sphere.
-    pub(crate) nodes: Vec<Bounds>,
-    /// Unions of [`CHUNK`] objects each in tree order, for where there are no nodes.
-    chunks: Vec<Bounds>,
-}
-
-/// Objects with a common box where there are no nodes.
-const CHUNK: u32 = 16;
-
-/// Nodes of fewer objects are not looked at for [`Pass::scan`]: asking each object is as fast.
-const LEAST_OBJECTS: u32 = 12;
-
 /// Objects hidden at run time, and per node how many disturbances there are below it.
 #[derive(Clone, Debug)]
 pub(crate) struct Hidden {
@@ -114,31 +48,6 @@ pub(crate) struct Pass<'a> {
     pub(crate) hidden: Option<&'a Hidden>,
     pub(crate) camera: &'a Camera,
     pub(crate) settings: &'a Settings,
-}
-
-/// The settings in the form the inner loop wants them.
-pub(crate) struct Thresholds {
-    nearest: f64,
-    triangle: Option<f64>,
-    ring: Option<f64>,
-    /// Some threshold is above 0, so sizes must be estimated.
-    sizes: bool,
-    pub(crate) pixels_squared: f64,
-}
-
-impl Thresholds {
-    /// The same stages, for objects of any size.
-    pub(crate) fn without_sizes(&self) -> Self {
-        let any = |stage: Option<f64>| stage.map(|_| 0.0);
-        Self { nearest: 0.0, triangle: any(self.triangle), ring: any(self.ring), sizes: false, ..*self }
-    }
-}
-
-/// The bins a sphere query asks, the same for all objects below a node.
-pub(crate) enum SphereBins {
-    Weighted([(usize, f64); 3]),
-    Any([usize; 3]),
-    All,
 }
 
 impl Pass<'_> {
@@ -191,15 +100,6 @@ impl Pass<'_> {
         }
     }
 
-    pub(crate) fn thresholds(&self) -> Thresholds {
-        let tau = &self.settings.tau;
-        let stage = |t: f32| (t < f32::INFINITY).then(|| f64::from(t.max(tau.nearest)));
-        let (triangle, ring) = (stage(tau.triangle), stage(tau.ring));
-        let sizes = tau.nearest > 0.0 || [triangle, ring].iter().flatten().any(|&t| t > 0.0);
-        let pixels = self.camera.pixels_per_radian();
-        Thresholds { nearest: f64::from(tau.nearest), triangle, ring, sizes, pixels_squared: pixels * pixels }
-    }
-
     /// The eye is outside the sphere, the sphere is not too near, and nothing below it has been disturbed.
     pub(crate) fn is_usable(&self, index: usize, node: &Node, max_sine: f64) -> bool {
         let distance_squared = (self.camera.eye() - node.center.as_dvec3()).length_squared();
@@ -233,7 +133,12 @@ impl Pass<'_> {
 
     /// Hands on the places of what is in the frustum.
     #[inline]
-    fn in_frustum(&self, places: Range<u32>, frustum: &mut Frustum<'_>, mut each: impl FnMut(u32)) {
+    pub(crate) fn in_frustum(
+        &self,
+        places: Range<u32>,
+        frustum: &mut Frustum<'_>,
+        mut each: impl FnMut(u32),
+    ) {
         if frustum.is_inside(places.end) {
             places.for_each(each);
             return;
@@ -258,296 +163,4 @@ impl Pass<'_> {
             place = end;
         }
     }
-
-    /// Asks a usable node for all objects below it. Where each object has its own direction, nodes below it are looked at
-    /// too: seen from afar, all objects of such a node share a bin.
-    fn scan<T: Hit>(
-        &self,
-        index: usize,
-        frustum: &mut Frustum<'_>,
-        thresholds: &Thresholds,
-        out: &mut Hits<T>,
-        statistics: &mut CullStatistics,
-    ) {
-        let nodes = self.tree.nodes();
-        let node = &nodes[index];
-        statistics.objects_tested += node.object_count as usize;
-        let bins = self.sphere_bins(node);
-        let inside = frustum.is_inside(node.objects().end);
-        let by_bin = !thresholds.sizes && (thresholds.triangle.is_none() || self.tree.directions.is_acute());
-        if bins.is_some() || inside && !by_bin {
-            self.ask_each(node, node.objects(), frustum, bins.as_ref(), thresholds, out);
-            return;
-        }
-        // Objects up to here are dealt with.
-        let mut place = node.first_object;
-        let end = index + node.subtree as usize;
-        let mut at = index;
-        while at < end {
-            let inner = &nodes[at];
-            let objects = inner.objects();
-            let skip = at + inner.subtree as usize;
-            if inner.object_count < LEAST_OBJECTS {
-                // Asked with what follows.
-                at = skip;
-                continue;
-            }
-            self.ask_each(node, place..objects.start, frustum, None, thresholds, out);
-            place = objects.start;
-            if !frustum.enter(&self.boxes.nodes[at], objects.end) {
-                (place, at) = (objects.end, skip);
-                continue;
-            }
-            match self.common_bin(at).filter(|_| by_bin && frustum.is_inside(objects.end)) {
-                Some(bin) => {
-                    self.ask_bin(node, objects.clone(), bin, thresholds, out);
-                    (place, at) = (objects.end, skip);
-                }
-                None => at += 1,
-            }
-        }
-        self.ask_each(node, place..node.objects().end, frustum, None, thresholds, out);
-    }
-
-    /// The bin in which all objects below a node see the eye, if there is one for sure and the eye is around none of them.
-    fn common_bin(&self, node: usize) -> Option<usize> {
-        let bounds = &self.boxes.nodes[node];
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let middle = (min + max) * 0.5;
-        let to_eye = self.camera.eye() - middle;
-        let distance = to_eye.length();
-        let radius = (max - min).length() * 0.5;
-        // Far above what rounding can move an object's middle or its direction.
-        let coordinates = self.camera.eye().abs().max_element() + middle.abs().max_element();
-        let margin = radius * 1e-6 + distance * 1e-9 + coordinates * 1e-12;
-        // An object's box is in the node's: its middle is at most `radius` away, and so are its corners from that.
-        if distance <= 2.0 * (radius + margin) || !distance.is_finite() {
-            return None;
-        }
-        self.tree.directions.bin_around(to_eye, radius + margin)
-    }
-
-    /// Asks for objects below `node`, in the frustum, that all have this bin and are not around the eye.
-    ///
-    /// The triangle around a direction is one of those at its bin, so that what neither the bin nor a neighbour sees needs no
-    /// closer look.
-    fn ask_bin<T: Hit>(
-        &self,
-        node: &Node,
-        places: Range<u32>,
-        bin: usize,
-        thresholds: &Thresholds,
-        out: &mut Hits<T>,
-    ) {
-        let (triangle, ring) = (thresholds.triangle.is_some(), thresholds.ring.is_some());
-        let neighbours = if triangle || ring { self.tree.directions.ring(bin) } else { &[] };
-        let mut length = out.list.len();
-        // Room for all: writing each and keeping it or not needs no branch that goes now this way, now that.
-        out.list.resize(length + places.len(), T::default());
-        for place in places {
-            let object = &self.tree.objects[place as usize];
-            let height = object.depth - node.depth;
-            let sees = |bin: usize| u32::from(self.tree.row_level(object, bin)) >= height;
-            let reaches = u32::from(object.max_level) >= height;
-            let in_bin = reaches && sees(bin);
-            let near = || neighbours.iter().any(|&bin| sees(usize::from(bin)));
-            let seen = if thresholds.sizes {
-                reaches
-                    && (in_bin || near())
-                    && self.draws::<T>(place, height, None, thresholds, &mut out.too_small)
-            } else {
-                let mut closer =
-                    || ring || self.draws::<T>(place, height, None, thresholds, &mut out.too_small);
-                in_bin || reaches && near() && closer()
-            };
-            out.list[length] = T::new(place, height);
-            length += usize::from(seen);
-        }
-        out.list.truncate(length);
-    }
-
-    /// Asks for each of the objects, which are below `node`.
-    fn ask_each<T: Hit>(
-        &self,
-        node: &Node,
-        places: Range<u32>,
-        frustum: &mut Frustum<'_>,
-        bins: Option<&SphereBins>,
-        thresholds: &Thresholds,
-        out: &mut Hits<T>,
-    ) {
-        self.in_frustum(places, frustum, |place| {
-            let object = &self.tree.objects[place as usize];
-            let height = object.depth - node.depth;
-            if u32::from(object.max_level) < height {
-                return;
-            }
-            if self.draws::<T>(place, height, bins, thresholds, &mut out.too_small) {
-                out.list.push(T::new(place, height));
-            }
-        });
-    }
-
-    /// Asks for one object, which some bin sees at this height.
-    #[inline]
-    fn draws<T: Hit>(
-        &self,
-        place: u32,
-        height: u32,
-        bins: Option<&SphereBins>,
-        thresholds: &Thresholds,
-        too_small: &mut f64,
-    ) -> bool {
-        let object = &self.tree.objects[place as usize];
-        let bounds = &self.boxes.objects[place as usize];
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let to_eye = self.camera.eye() - (min + max) * 0.5;
-        let distance_squared = to_eye.length_squared();
-        if is_around(bounds, distance_squared)
-            || self.passes(object, height, to_eye, distance_squared, bins, thresholds)
-        {
-            return true;
-        }
-        if T::MEASURED && thresholds.sizes {
-            let any_size = thresholds.without_sizes();
-            if self.passes(object, height, to_eye, distance_squared, bins, &any_size) {
-                *too_small += self.tree.area(object, height) * thresholds.pixels_squared / distance_squared;
-            }
-        }
-        false
-    }
-
-    #[inline]
-    pub(crate) fn passes(
-        &self,
-        object: &ObjectRow,
-        height: u32,
-        to_eye: DVec3,
-        distance_squared: f64,
-        bins: Option<&SphereBins>,
-        thresholds: &Thresholds,
-    ) -> bool {
-        let pixels = if thresholds.sizes {
-            self.tree.area(object, height) * thresholds.pixels_squared / distance_squared
-        } else {
-            f64::INFINITY
-        };
-        if pixels < thresholds.nearest {
-            return false;
-        }
-        // A row's levels fit a byte, and heights beyond the highest level were sorted out.
-        let sees = |bin: usize| u32::from(self.tree.row_level(object, bin)) >= height;
-        match bins {
-            Some(SphereBins::Any(bins)) => bins.iter().any(|&bin| sees(bin)),
-            Some(SphereBins::All) => true,
-            Some(SphereBins::Weighted(bins)) => {
-                let weight: f64 = bins.iter().filter(|(bin, _)| sees(*bin)).map(|(_, w)| w).sum();
-                weight > 0.0 && pixels * weight >= thresholds.nearest
-            }
-            None => {
-                let directions = self.tree.directions;
-                let nearest = directions.nearest_f64(to_eye);
-                let large = |stage: Option<f64>| stage.is_some_and(|least| pixels >= least);
-                let any = |bins: &[u16]| bins.iter().any(|&bin| sees(usize::from(bin)));
-                sees(nearest)
-                    || large(thresholds.triangle) && any(&directions.weights_f64(to_eye).0)
-                    || large(thresholds.ring) && any(directions.ring(nearest))
-            }
-        }
-    }
-
-    /// Bins that can make [`Self::passes`] draw an object, for explaining; for [`SphereBins::All`] all of them.
-    pub(crate) fn bins_asked(&self, to_eye: DVec3, bins: Option<&SphereBins>) -> Vec<usize> {
-        let directions = self.tree.directions;
-        match bins {
-            Some(SphereBins::Any(bins)) => bins.to_vec(),
-            Some(SphereBins::Weighted(bins)) => bins.map(|(bin, _)| bin).to_vec(),
-            Some(SphereBins::All) => (0..directions.len()).collect(),
-            None => {
-                let thresholds = self.thresholds();
-                let nearest = directions.nearest_f64(to_eye);
-                let mut asked = vec![nearest];
-                if thresholds.triangle.is_some() {
-                    asked.extend(directions.weights_f64(to_eye).0.map(usize::from));
-                }
-                if thresholds.ring.is_some() {
-                    asked.extend(directions.ring(nearest).iter().map(|&bin| usize::from(bin)));
-                }
-                asked
-            }
-        }
-    }
-
-    /// `None` if each object uses its own direction.
-    pub(crate) fn sphere_bins(&self, node: &Node) -> Option<SphereBins> {
-        let directions = self.tree.directions;
-        let to_eye = self.camera.eye() - node.center.as_dvec3();
-        Some(match self.settings.query {
-            Query::Object => return None,
-            Query::SphereNearest => SphereBins::Any([directions.nearest_f64(to_eye); 3]),
-            Query::SphereMax3 => SphereBins::Any(directions.weights_f64(to_eye).0.map(usize::from)),
-            Query::SphereWeighted3 => {
-                let (triangle, weights) = directions.weights_f64(to_eye);
-                SphereBins::Weighted([0, 1, 2].map(|k| (usize::from(triangle[k]), f64::from(weights[k]))))
-            }
-            Query::SphereMaxAll => SphereBins::All,
-        })
-    }
-}
-
-impl Boxes {
-    /// One valid box per object; boxes of the nodes are made from them, linear in nodes plus objects.
-    pub(crate) fn new(tree: &Tree, objects: &[Bounds]) -> Self {
-        let mut nodes = vec![Bounds::EMPTY; tree.nodes().len()];
-        let parents = parents(tree);
-        // Each object goes to its innermost node; then children, which come later, are added to their parents.
-        for (place, node) in innermost(tree).into_iter().enumerate() {
-            if let Some(node) = node {
-                nodes[node as usize].extend(&objects[place]);
-            }
-        }
-        for node in (0..nodes.len()).rev() {
-            if let Some(parent) = parents[node] {
-                let child = nodes[node];
-                nodes[parent as usize].extend(&child);
-            }
-        }
-        let union = |boxes: &[Bounds]| {
-            boxes.iter().fold(Bounds::EMPTY, |mut union, bounds| {
-                union.extend(bounds);
-                union
-            })
-        };
-        let chunks = objects.chunks(CHUNK as usize).map(union).collect();
-        Self { objects: objects.to_vec(), nodes, chunks }
-    }
-}
-
-/// Parent of each node.
-pub(crate) fn parents(tree: &Tree) -> Vec<Option<u32>> {
-    let mut open: Vec<u32> = Vec::new();
-    let nodes = tree.nodes();
-    (0..nodes.len() as u32)
-        .map(|index| {
-            open.truncate(nodes[index as usize].depth as usize);
-            let parent = open.last().copied();
-            open.push(index);
-            parent
-        })
-        .collect()
-}
-
-/// Innermost node above each object; empty without nodes.
-pub(crate) fn innermost(tree: &Tree) -> Vec<Option<u32>> {
-    let nodes = tree.nodes();
-    let mut result = vec![None; tree.objects.len()];
-    for (index, node) in nodes.iter().enumerate() {
-        // A node's own objects come first: they end where its first child's begin.
-        let first_child = nodes.get(index + 1).filter(|_| node.subtree > 1);
-        let end = first_child.map_or(node.objects().end, |child| child.first_object);
-        for place in node.first_object..end {
-            result[place as usize] = Some(index as u32);
-        }
-    }
-    result
 }
