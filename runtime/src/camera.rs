@@ -12,14 +12,7 @@ pub struct Camera {
     /// Points with `normal · p + offset >= 0` for all six are inside. `(0, 0, 0, 1)` stands for no plane.
     planes: [DVec4; 6],
     pixels_per_radian: f64,
-}
-
-/// How a box lies to the frustum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Containment {
-    Outside,
-    Intersects,
-    Inside,
+    image_area: f64,
 }
 
 const NO_PLANE: DVec4 = DVec4::W;
@@ -48,6 +41,7 @@ impl Camera {
             eye: view.inverse().w_axis.truncate(),
             planes,
             pixels_per_radian: pixels(height * 0.5 / tangent),
+            image_area: area(width * height),
         }
     }
 
@@ -59,7 +53,14 @@ impl Camera {
     pub fn from_view_projection(view_projection: DMat4, eye: DVec3, pixels_per_radian: f64) -> Self {
         let [x, y, z, w] = [0, 1, 2, 3].map(|i| view_projection.row(i));
         let planes = [w + x, w - x, w + y, w - y, w + z, w - z].map(normalized);
-        Self { eye, planes, pixels_per_radian: pixels(pixels_per_radian) }
+        let pixels_per_radian = pixels(pixels_per_radian);
+        // The inner normals of two sides are π minus the opening angle apart: of the image's side, in pixels.
+        let side = |a: DVec4, b: DVec4| {
+            let cosine = -a.truncate().dot(b.truncate());
+            2.0 * pixels_per_radian * ((1.0 - cosine) / (1.0 + cosine)).sqrt()
+        };
+        let image_area = area(side(planes[0], planes[1]) * side(planes[2], planes[3]));
+        Self { eye, planes, pixels_per_radian, image_area }
     }
 
     /// The same camera in the local space of an anchor. Rotation, mirroring and uniform scale keep every answer exact
@@ -72,6 +73,7 @@ impl Camera {
             planes: self.planes.map(|plane| normalized(rows * plane)),
             // Areas and squared distances scale alike.
             pixels_per_radian: self.pixels_per_radian,
+            image_area: self.image_area,
         }
     }
 
@@ -85,39 +87,33 @@ impl Camera {
         self.pixels_per_radian
     }
 
+    /// Pixels of the whole image.
+    pub fn image_area(&self) -> f64 {
+        self.image_area
+    }
+
     /// The box may be in sight: no plane has it wholly on its outer side. Errs towards `true` near the edges of the
     /// frustum.
     pub fn sees(&self, bounds: &Bounds) -> bool {
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        !self.planes.iter().any(|plane| farthest(plane, min, max) < 0.0)
+        !self.planes.iter().any(|plane| Self::farthest(plane, min, max) < 0.0)
     }
 
-    /// As [`Self::sees`], and whether every plane has the whole box on its inner side.
-    pub(crate) fn contains(&self, bounds: &Bounds) -> Containment {
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let mut result = Containment::Inside;
-        for plane in &self.planes {
-            if farthest(plane, min, max) < 0.0 {
-                return Containment::Outside;
-            }
-            if farthest(plane, max, min) < 0.0 {
-                result = Containment::Intersects;
-            }
-        }
-        result
+    pub(crate) fn planes(&self) -> &[DVec4; 6] {
+        &self.planes
     }
-}
 
-/// Signed distance of the box corner farthest along the plane's normal; with the corners swapped, of the nearest.
-///
-/// Rounding is monotone in each coordinate, so a box inside another one never lies farther out than it does.
-#[inline]
-fn farthest(plane: &DVec4, min: DVec3, max: DVec3) -> f64 {
-    let pick = |normal: f64, min: f64, max: f64| if normal >= 0.0 { max } else { min };
-    plane.x * pick(plane.x, min.x, max.x)
-        + plane.y * pick(plane.y, min.y, max.y)
-        + plane.z * pick(plane.z, min.z, max.z)
-        + plane.w
+    /// Signed distance of the box corner farthest along the plane's normal; with the corners swapped, of the nearest.
+    ///
+    /// Rounding is monotone in each coordinate, so a box inside another one never lies farther out than it does.
+    #[inline]
+    pub(crate) fn farthest(plane: &DVec4, min: DVec3, max: DVec3) -> f64 {
+        let pick = |normal: f64, min: f64, max: f64| if normal >= 0.0 { max } else { min };
+        plane.x * pick(plane.x, min.x, max.x)
+            + plane.y * pick(plane.y, min.y, max.y)
+            + plane.z * pick(plane.z, min.z, max.z)
+            + plane.w
+    }
 }
 
 /// Scales to a unit normal; a plane without a usable normal (the far plane of an infinite projection) bounds nothing.
@@ -129,6 +125,12 @@ fn normalized(plane: DVec4) -> DVec4 {
 /// Without a usable scale everything counts as large: nothing is dropped for its size.
 fn pixels(pixels_per_radian: f64) -> f64 {
     if pixels_per_radian.is_finite() && pixels_per_radian > 0.0 { pixels_per_radian } else { 1e100 }
+}
+
+/// Without a usable image, the largest that is imagined: 32768 by 32768 pixels.
+fn area(pixels: f64) -> f64 {
+    const LARGEST: f64 = (1_u64 << 30) as f64;
+    if pixels > 0.0 && pixels < LARGEST { pixels } else { LARGEST }
 }
 
 #[cfg(test)]
@@ -158,8 +160,6 @@ mod tests {
         assert!(at(10.0, 9.9, 0.0) && !at(10.0, 10.1, 0.0) && !at(10.0, -10.1, 0.0));
         assert!(at(10.0, 0.0, 19.9) && !at(10.0, 0.0, 20.1) && !at(10.0, 0.0, -20.1));
         assert!(!at(-1.0, 0.0, 0.0) && !at(0.05, 0.0, 0.0));
-        assert_eq!(camera.contains(&cube(Vec3::new(11.0, 2.0, 3.0), 1.0)), Containment::Inside);
-        assert_eq!(camera.contains(&cube(Vec3::new(11.0, 12.0, 3.0), 1.0)), Containment::Intersects);
     }
 
     #[test]
@@ -174,6 +174,7 @@ mod tests {
             directx::perspective_infinite_reverse(fov, 2.0, 0.1),
         ] {
             let camera = Camera::from_view_projection(projection * view, eye, 50.0);
+            assert!((camera.image_area() - 20_000.0).abs() < 1e-6, "{}", camera.image_area());
             for x in [-30.0, -3.0, 0.5, 20.0] {
                 for y in [-25.0, -2.0, 0.0, 2.0, 25.0] {
                     let bounds = cube(Vec3::new(1.0 + x, 2.0 + y, 3.0), 0.25);

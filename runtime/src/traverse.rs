@@ -3,11 +3,12 @@
 //! Nodes are walked in depth-first order with skip pointers, without a stack. A node whose sphere can be used answers for
 //! all objects below it; what hangs below no such node is drawn if it is in the frustum.
 
-use crate::bounds::Bounds;
-use crate::camera::{Camera, Containment};
-use crate::query::{Query, Settings};
-use crate::tree::{Node, ObjectRow, Tree};
-use glam::DVec3;
+use crate::boxes::{Boxes, CHUNK};
+use crate::camera::Camera;
+use crate::frustum::Frustum;
+use crate::hits::{Hit, Hits};
+use crate::query::Settings;
+use crate::tree::{Node, Tree};
 use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
 
@@ -33,14 +34,6 @@ impl std::ops::AddAssign for CullStatistics {
     }
 }
 
-/// Boxes of a tree's objects and nodes.
-#[derive(Debug)]
-pub(crate) struct Boxes {
-    pub(crate) objects: Vec<Bounds>,
-    /// Union of the objects' boxes: always right, and mostly tighter than the sphere.
-    pub(crate) nodes: Vec<Bounds>,
-}
-
 /// Objects hidden at run time, and per node how many disturbances there are below it.
 #[derive(Clone, Debug)]
 pub(crate) struct Hidden {
@@ -57,237 +50,117 @@ pub(crate) struct Pass<'a> {
     pub(crate) settings: &'a Settings,
 }
 
-/// The settings in the form the inner loop wants them.
-struct Thresholds {
-    nearest: f64,
-    triangle: Option<f64>,
-    ring: Option<f64>,
-    /// Some threshold is above 0, so sizes must be estimated.
-    sizes: bool,
-    pixels_squared: f64,
-}
-
-/// The bins a sphere query asks, the same for all objects below a node.
-enum SphereBins {
-    Weighted([(usize, f64); 3]),
-    Any([usize; 3]),
-    All,
-}
-
 impl Pass<'_> {
     /// Appends the places of the objects to draw, ascending.
-    pub(crate) fn run(&self, out: &mut Vec<u32>) -> CullStatistics {
+    pub(crate) fn run<T: Hit>(&self, out: &mut Hits<T>) -> CullStatistics {
         let thresholds = self.thresholds();
-        let max_sine = match self.settings.max_half_angle {
-            t if t < FRAC_PI_2 => f64::from(t.max(0.0)).sin(),
-            _ => 1.0,
-        };
+        let max_sine = self.max_sine();
         let mut statistics = CullStatistics::default();
-        let before = out.len();
+        let before = out.list.len();
         let nodes = self.tree.nodes();
-        // Objects up to here are dealt with, and objects up to there are known to be in the frustum.
-        let (mut place, mut inside_end) = (0, if self.settings.frustum { 0 } else { u32::MAX });
+        let mut frustum = Frustum::new(self.camera, self.settings.frustum);
+        // Objects up to here are dealt with.
+        let mut place = 0;
         let mut index = 0;
         while index < nodes.len() {
             let node = &nodes[index];
             let objects = node.objects();
             // What lies between hangs on an ancestor (or on nothing), and no sphere above it could be used.
-            self.draw_in_frustum(place..objects.start, inside_end, out, &mut statistics);
+            self.draw_in_frustum(place..objects.start, &mut frustum, out, &mut statistics);
             place = objects.start;
             let skip = index + node.subtree as usize;
-            if objects.end > inside_end {
-                match self.camera.contains(&self.boxes.nodes[index]) {
-                    Containment::Outside => {
-                        (place, index) = (objects.end, skip);
-                        continue;
-                    }
-                    Containment::Inside => inside_end = objects.end,
-                    Containment::Intersects => {}
+            if objects.is_empty() {
+                index = skip;
+            } else if !frustum.enter(&self.boxes.nodes[index], objects.end) {
+                (place, index) = (objects.end, skip);
+            } else if max_sine <= 0.0 {
+                // No sphere is used: what is wholly inside needs no look at its nodes.
+                index = if frustum.is_inside(objects.end) { skip } else { index + 1 };
+            } else {
+                statistics.spheres_tested += 1;
+                if self.is_usable(index, node, max_sine) {
+                    statistics.spheres_used += 1;
+                    self.scan(index, &mut frustum, &thresholds, out, &mut statistics);
+                    (place, index) = (objects.end, skip);
+                } else {
+                    index += 1;
                 }
             }
-            statistics.spheres_tested += 1;
-            if self.is_usable(index, node, max_sine) {
-                statistics.spheres_used += 1;
-                self.scan(node, objects.end <= inside_end, &thresholds, out, &mut statistics);
-                (place, index) = (objects.end, skip);
-            } else {
-                index += 1;
-            }
         }
-        self.draw_in_frustum(place..self.tree.object_count, inside_end, out, &mut statistics);
-        statistics.drawn = out.len() - before;
+        self.draw_in_frustum(place..self.tree.object_count, &mut frustum, out, &mut statistics);
+        statistics.drawn = out.list.len() - before;
         statistics
     }
 
-    fn thresholds(&self) -> Thresholds {
-        let tau = &self.settings.tau;
-        let stage = |t: f32| (t < f32::INFINITY).then(|| f64::from(t.max(tau.nearest)));
-        let (triangle, ring) = (stage(tau.triangle), stage(tau.ring));
-        let sizes = tau.nearest > 0.0 || [triangle, ring].iter().flatten().any(|&t| t > 0.0);
-        let pixels = self.camera.pixels_per_radian();
-        Thresholds { nearest: f64::from(tau.nearest), triangle, ring, sizes, pixels_squared: pixels * pixels }
+    /// Sine of the largest half-angle at which spheres are used.
+    pub(crate) fn max_sine(&self) -> f64 {
+        match self.settings.max_half_angle {
+            t if t < FRAC_PI_2 => f64::from(t.max(0.0)).sin(),
+            _ => 1.0,
+        }
     }
 
     /// The eye is outside the sphere, the sphere is not too near, and nothing below it has been disturbed.
-    fn is_usable(&self, index: usize, node: &Node, max_sine: f64) -> bool {
+    pub(crate) fn is_usable(&self, index: usize, node: &Node, max_sine: f64) -> bool {
         let distance_squared = (self.camera.eye() - node.center.as_dvec3()).length_squared();
         let radius = f64::from(node.radius);
         let limit = distance_squared * max_sine * max_sine;
-        // Written so that an eye that is not a number is outside of nothing.
+        // Written so that an eye that is not a number is outside of nothing. At half-angle 0 not even points are used.
         distance_squared > radius * radius
+            && max_sine > 0.0
             && radius * radius <= limit
             && self.hidden.is_none_or(|hidden| hidden.below[index] == 0)
     }
 
-    fn draw_in_frustum(
+    fn draw_in_frustum<T: Hit>(
         &self,
         places: Range<u32>,
-        inside_end: u32,
-        out: &mut Vec<u32>,
+        frustum: &mut Frustum<'_>,
+        out: &mut Hits<T>,
         statistics: &mut CullStatistics,
     ) {
         statistics.objects_tested += places.len();
-        for place in places {
-            let visible = place < inside_end || self.camera.sees(&self.boxes.objects[place as usize]);
-            if visible && self.hidden.is_none_or(|hidden| !hidden.objects[place as usize]) {
-                out.push(place);
-            }
+        match self.hidden {
+            None if frustum.is_inside(places.end) => out.list.extend(places.map(|place| T::new(place, 0))),
+            None => self.in_frustum(places, frustum, |place| out.list.push(T::new(place, 0))),
+            Some(hidden) => self.in_frustum(places, frustum, |place| {
+                if !hidden.objects[place as usize] {
+                    out.list.push(T::new(place, 0));
+                }
+            }),
         }
     }
 
-    /// Asks a usable node for all objects below it.
-    fn scan(
+    /// Hands on the places of what is in the frustum.
+    #[inline]
+    pub(crate) fn in_frustum(
         &self,
-        node: &Node,
-        inside: bool,
-        thresholds: &Thresholds,
-        out: &mut Vec<u32>,
-        statistics: &mut CullStatistics,
+        places: Range<u32>,
+        frustum: &mut Frustum<'_>,
+        mut each: impl FnMut(u32),
     ) {
-        statistics.objects_tested += node.object_count as usize;
-        let bins = self.sphere_bins(node);
-        for place in node.objects() {
-            let object = &self.tree.objects[place as usize];
-            let height = object.depth - node.depth;
-            if u32::from(object.max_level) < height {
-                continue;
+        if frustum.is_inside(places.end) {
+            places.for_each(each);
+            return;
+        }
+        let mut place = places.start;
+        while place < places.end {
+            let end = if place.is_multiple_of(CHUNK) && places.end - place >= CHUNK {
+                let end = place + CHUNK;
+                if !frustum.enter(&self.boxes.chunks[(place / CHUNK) as usize], end) {
+                    place = end;
+                    continue;
+                }
+                end
+            } else {
+                places.end.min((place / CHUNK + 1).saturating_mul(CHUNK))
+            };
+            for place in place..end {
+                if frustum.sees(&self.boxes.objects[place as usize], place) {
+                    each(place);
+                }
             }
-            let bounds = &self.boxes.objects[place as usize];
-            if !inside && !self.camera.sees(bounds) {
-                continue;
-            }
-            let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-            let to_eye = self.camera.eye() - (min + max) * 0.5;
-            let distance_squared = to_eye.length_squared();
-            // Around the eye: no direction, and no limit to its size; some bin sees it at this height.
-            let around = distance_squared <= (max - min).length_squared() * 0.25;
-            if around || self.passes(object, height, to_eye, distance_squared, bins.as_ref(), thresholds) {
-                out.push(place);
-            }
+            place = end;
         }
     }
-
-    fn passes(
-        &self,
-        object: &ObjectRow,
-        height: u32,
-        to_eye: DVec3,
-        distance_squared: f64,
-        bins: Option<&SphereBins>,
-        thresholds: &Thresholds,
-    ) -> bool {
-        let pixels = if thresholds.sizes {
-            self.tree.area(object, height) * thresholds.pixels_squared / distance_squared
-        } else {
-            f64::INFINITY
-        };
-        if pixels < thresholds.nearest {
-            return false;
-        }
-        // A row's levels fit a byte, and heights beyond the highest level were sorted out.
-        let sees = |bin: usize| u32::from(self.tree.row_level(object, bin)) >= height;
-        match bins {
-            Some(SphereBins::Any(bins)) => bins.iter().any(|&bin| sees(bin)),
-            Some(SphereBins::All) => true,
-            Some(SphereBins::Weighted(bins)) => {
-                let weight: f64 = bins.iter().filter(|(bin, _)| sees(*bin)).map(|(_, w)| w).sum();
-                weight > 0.0 && pixels * weight >= thresholds.nearest
-            }
-            None => {
-                let directions = self.tree.directions;
-                let nearest = directions.nearest_f64(to_eye);
-                let large = |stage: Option<f64>| stage.is_some_and(|least| pixels >= least);
-                let any = |bins: &[u16]| bins.iter().any(|&bin| sees(usize::from(bin)));
-                sees(nearest)
-                    || large(thresholds.triangle) && any(&directions.weights_f64(to_eye).0)
-                    || large(thresholds.ring) && any(directions.ring(nearest))
-            }
-        }
-    }
-
-    /// `None` if each object uses its own direction.
-    fn sphere_bins(&self, node: &Node) -> Option<SphereBins> {
-        let directions = self.tree.directions;
-        let to_eye = self.camera.eye() - node.center.as_dvec3();
-        Some(match self.settings.query {
-            Query::Object => return None,
-            Query::SphereNearest => SphereBins::Any([directions.nearest_f64(to_eye); 3]),
-            Query::SphereMax3 => SphereBins::Any(directions.weights_f64(to_eye).0.map(usize::from)),
-            Query::SphereWeighted3 => {
-                let (triangle, weights) = directions.weights_f64(to_eye);
-                SphereBins::Weighted([0, 1, 2].map(|k| (usize::from(triangle[k]), f64::from(weights[k]))))
-            }
-            Query::SphereMaxAll => SphereBins::All,
-        })
-    }
-}
-
-impl Boxes {
-    /// One valid box per object; boxes of the nodes are made from them, linear in nodes plus objects.
-    pub(crate) fn new(tree: &Tree, objects: &[Bounds]) -> Self {
-        let mut nodes = vec![Bounds::EMPTY; tree.nodes().len()];
-        let parents = parents(tree);
-        // Each object goes to its innermost node; then children, which come later, are added to their parents.
-        for (place, node) in innermost(tree).into_iter().enumerate() {
-            if let Some(node) = node {
-                nodes[node as usize].extend(&objects[place]);
-            }
-        }
-        for node in (0..nodes.len()).rev() {
-            if let Some(parent) = parents[node] {
-                let child = nodes[node];
-                nodes[parent as usize].extend(&child);
-            }
-        }
-        Self { objects: objects.to_vec(), nodes }
-    }
-}
-
-/// Parent of each node.
-pub(crate) fn parents(tree: &Tree) -> Vec<Option<u32>> {
-    let mut open: Vec<u32> = Vec::new();
-    let nodes = tree.nodes();
-    (0..nodes.len() as u32)
-        .map(|index| {
-            open.truncate(nodes[index as usize].depth as usize);
-            let parent = open.last().copied();
-            open.push(index);
-            parent
-        })
-        .collect()
-}
-
-/// Innermost node above each object; empty without nodes.
-pub(crate) fn innermost(tree: &Tree) -> Vec<Option<u32>> {
-    let nodes = tree.nodes();
-    let mut result = vec![None; tree.objects.len()];
-    for (index, node) in nodes.iter().enumerate() {
-        // A node's own objects come first: they end where its first child's begin.
-        let first_child = nodes.get(index + 1).filter(|_| node.subtree > 1);
-        let end = first_child.map_or(node.objects().end, |child| child.first_object);
-        for place in node.first_object..end {
-            result[place as usize] = Some(index as u32);
-        }
-    }
-    result
 }
