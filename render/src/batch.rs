@@ -301,3 +301,7 @@ fn follows(last: &Draw, next: &Draw) -> bool {
         == (next.class, next.mirrored, next.chunk, next.row, next.instances)
         && last.first_index + last.index_count == next.first_index
 }
+
+#[cfg(test)]
+#[path = "batch_tests.rs"]
+mod tests;

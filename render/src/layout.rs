@@ -8,26 +8,27 @@ use crate::class::{Class, Mode, Sets, Textured, class_of};
 /// No object, no group.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Meshes with several uses are written out once per use as long as all their uses together have this many vertices
-/// at most: an instanced draw call of a handful of triangles costs more than the triangles.
-const MERGED_VERTICES: u64 = 2048;
-
 /// Vertices written out for further uses of meshes, in all: 32 MiB.
 const REPEATED_VERTICES: u64 = 1 << 20;
 
 /// Clusters may be this large, metres, whatever their parts: the error of a position is then below 0.1 mm.
 const CLUSTER_EXTENT: f64 = 2048.0;
 
-/// Capacity of one pair of a vertex and an index buffer.
+/// What decides about buffers and merging.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Capacity {
+    /// Vertices in one buffer.
     pub(crate) vertices: u32,
+    /// Indices in one buffer.
     pub(crate) indices: u32,
+    /// Meshes with several uses are written out once per use as long as all their uses together have this many vertices
+    /// at most: an instanced draw call of a handful of triangles costs more than the triangles.
+    pub(crate) merged_vertices: u64,
 }
 
 impl Capacity {
-    /// 64 MiB each: far below every driver's limit, and still few buffers for large scenes.
-    pub(crate) const DEFAULT: Self = Self { vertices: 1 << 21, indices: 3 << 22 };
+    /// 64 MiB and 48 MiB: far below every driver's limit, and still few buffers for large scenes.
+    pub(crate) const DEFAULT: Self = Self { vertices: 1 << 21, indices: 3 << 22, merged_vertices: 2048 };
 }
 
 /// Triangles of a primitive that are written next, for an object or (object [`NONE`]) for instances.
@@ -126,7 +127,7 @@ pub(crate) fn is_mirrored(to_world: &DAffine3) -> bool {
 }
 
 /// Which meshes are drawn by instances.
-fn instanced_meshes(data: &SceneData) -> Vec<bool> {
+fn instanced_meshes(data: &SceneData, merged_vertices: u64) -> Vec<bool> {
     let mut uses = vec![0u64; data.meshes.len()];
     for object in &data.objects {
         uses[object.mesh as usize] += 1;
@@ -135,7 +136,7 @@ fn instanced_meshes(data: &SceneData) -> Vec<bool> {
     let mut small: Vec<(u64, usize)> = (0..data.meshes.len())
         .filter(|&mesh| uses[mesh] > 1)
         .map(|mesh| (uses[mesh] * vertices(mesh), mesh))
-        .filter(|&(total, _)| total <= MERGED_VERTICES)
+        .filter(|&(total, _)| total <= merged_vertices)
         .collect();
     small.sort_unstable();
     let mut instanced: Vec<bool> = uses.iter().map(|&uses| uses > 1).collect();
@@ -172,7 +173,7 @@ impl Layout {
         let class_index = |class: &Class| classes.binary_search(class).unwrap_or_default() as u32;
 
         let boxes: Vec<_> = data.meshes.iter().map(|mesh| mesh_box(mesh).unwrap_or_default()).collect();
-        let instanced = instanced_meshes(data);
+        let instanced = instanced_meshes(data, capacity.merged_vertices);
         let mut plan = Self { sets: sets.list, ..Self::default() };
         plan.describe_objects(data, &boxes, &instanced);
 

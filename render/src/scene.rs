@@ -56,6 +56,7 @@ impl GpuScene {
         let capacity = Capacity {
             vertices: Capacity::DEFAULT.vertices.min((most / size_of::<Vertex>() as u64).try_into().unwrap_or(u32::MAX)),
             indices: Capacity::DEFAULT.indices.min((most / 4).try_into().unwrap_or(u32::MAX)),
+            ..Capacity::DEFAULT
         };
         let row_bytes = data.objects.len() as u64 * size_of::<crate::vertex::Row>() as u64;
         if row_bytes > most {
