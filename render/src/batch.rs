@@ -223,7 +223,10 @@ impl Batcher {
     /// Adds an opaque or masked draw call whose nearest object is `object`, or about so.
     fn push_opaque(&mut self, layout: &Layout, eye: DVec3, object: u32, draw: Draw) {
         let near = bucket(layout.centers[object as usize].distance_squared(eye)) as u64;
-        let key = u64::from(draw.class) << 44 | u64::from(draw.mirrored) << 43 | near << 32 | self.opaque.len() as u64;
+        let key = u64::from(draw.class) << 44
+            | u64::from(draw.mirrored) << 43
+            | near << 32
+            | self.opaque.len() as u64;
         self.opaque.push((key, draw));
     }
 
@@ -258,7 +261,12 @@ impl Batcher {
                 for part in first..end {
                     let object = layout.parts[part as usize].object;
                     let distance = layout.centers[object as usize].distance_squared(eye);
-                    self.sorted.push(Blended { distance, object, position: part, draw: draw(part, part + 1) });
+                    self.sorted.push(Blended {
+                        distance,
+                        object,
+                        position: part,
+                        draw: draw(part, part + 1),
+                    });
                 }
             }
         }

@@ -62,16 +62,22 @@ fn add(sums: &mut Sums, [a, b, c]: [DVec3; 3], front: f64) {
 /// What should be drawn, straight from the scene.
 fn expected(data: &SceneData, objects: &[u32]) -> Vec<Sums> {
     let mut sums = vec![Sums::default(); data.objects.len()];
-    let mut distinct: Vec<u32> = objects.iter().copied().filter(|&o| (o as usize) < data.objects.len()).collect();
+    let mut distinct: Vec<u32> =
+        objects.iter().copied().filter(|&o| (o as usize) < data.objects.len()).collect();
     distinct.sort_unstable();
     distinct.dedup();
     for object in distinct {
         let Object { mesh, to_world } = &data.objects[object as usize];
         let front = to_world.matrix3.determinant().signum();
         for primitive in &data.meshes[*mesh as usize].primitives {
-            let point = |i: u32| to_world.transform_point3(Vec3::from(primitive.positions[i as usize]).as_dvec3());
+            let point =
+                |i: u32| to_world.transform_point3(Vec3::from(primitive.positions[i as usize]).as_dvec3());
             for triangle in primitive.indices.chunks_exact(3) {
-                add(&mut sums[object as usize], [point(triangle[0]), point(triangle[1]), point(triangle[2])], front);
+                add(
+                    &mut sums[object as usize],
+                    [point(triangle[0]), point(triangle[1]), point(triangle[2])],
+                    front,
+                );
             }
         }
     }
@@ -94,7 +100,8 @@ fn drawn(data: &SceneData, layout: &Layout, batcher: &Batcher, eye: DVec3) -> Ve
         let chunk = &chunks[draw.chunk as usize];
         for row in &batcher.rows[draw.row as usize..(draw.row + draw.instances) as usize] {
             let [x, y, z, place] = row.columns.map(|c| Vec3::from(c).as_dvec3());
-            let indices = &chunk.indices[draw.first_index as usize..(draw.first_index + draw.index_count) as usize];
+            let indices =
+                &chunk.indices[draw.first_index as usize..(draw.first_index + draw.index_count) as usize];
             for triangle in indices.chunks_exact(3) {
                 let corner = |i: usize| {
                     let p = Vec3::from(chunk.vertices[triangle[i] as usize].position).as_dvec3();

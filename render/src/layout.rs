@@ -132,7 +132,8 @@ fn instanced_meshes(data: &SceneData, merged_vertices: u64) -> Vec<bool> {
     for object in &data.objects {
         uses[object.mesh as usize] += 1;
     }
-    let vertices = |mesh: usize| data.meshes[mesh].primitives.iter().map(|p| p.positions.len() as u64).sum::<u64>();
+    let vertices =
+        |mesh: usize| data.meshes[mesh].primitives.iter().map(|p| p.positions.len() as u64).sum::<u64>();
     let mut small: Vec<(u64, usize)> = (0..data.meshes.len())
         .filter(|&mesh| uses[mesh] > 1)
         .map(|mesh| (uses[mesh] * vertices(mesh), mesh))
@@ -165,7 +166,9 @@ impl Layout {
         let primitive_classes: Vec<Vec<Class>> = data
             .meshes
             .iter()
-            .map(|mesh| mesh.primitives.iter().map(|primitive| class_of(data, primitive, &mut sets)).collect())
+            .map(|mesh| {
+                mesh.primitives.iter().map(|primitive| class_of(data, primitive, &mut sets)).collect()
+            })
             .collect();
         let mut classes: Vec<Class> = primitive_classes.iter().flatten().copied().collect();
         classes.sort_unstable();
@@ -200,7 +203,9 @@ impl Layout {
         }
         let mut wanted: Vec<(u32, u32, u32)> = Vec::new();
         for (mesh, list) in primitive_classes.iter().enumerate().filter(|&(mesh, _)| instanced[mesh]) {
-            wanted.extend(list.iter().enumerate().map(|(i, class)| (class_index(class), mesh as u32, i as u32)));
+            wanted.extend(
+                list.iter().enumerate().map(|(i, class)| (class_index(class), mesh as u32, i as u32)),
+            );
         }
         wanted.sort_unstable();
         for (class, mesh, primitive) in wanted {
@@ -253,7 +258,8 @@ impl Layout {
             let object = &data.objects[object as usize];
             turned(object.to_world.matrix3, boxes[object.mesh as usize].1)
         };
-        let limit = cluster_limit(wanted.iter().map(|&(.., object)| half(object).max_element() * 2.0).collect());
+        let limit =
+            cluster_limit(wanted.iter().map(|&(.., object)| half(object).max_element() * 2.0).collect());
         let mut extent: Option<(DVec3, DVec3)> = None;
         for &(class, _, primitive, object) in wanted {
             let (center, half) = (self.centers[object as usize], half(object));
@@ -329,7 +335,15 @@ struct Filler<'a> {
 
 impl<'a> Filler<'a> {
     fn new(data: &'a SceneData, capacity: Capacity, classes: &'a [Class]) -> Self {
-        Self { data, capacity, classes, vertices: 0, indices: 0, chunk_textured: Vec::new(), sources: Vec::new() }
+        Self {
+            data,
+            capacity,
+            classes,
+            vertices: 0,
+            indices: 0,
+            chunk_textured: Vec::new(),
+            sources: Vec::new(),
+        }
     }
 
     /// Gives a primitive its place, in several pieces when it is larger than a chunk.
@@ -345,7 +359,8 @@ impl<'a> Filler<'a> {
         let source = &self.data.meshes[mesh as usize].primitives[primitive as usize];
         let (vertices, triangles) = (source.positions.len() as u64, (source.indices.len() / 3) as u32);
         let whole = vertices <= u64::from(self.capacity.vertices) && triangles <= self.capacity.indices / 3;
-        let step = if whole { triangles } else { (self.capacity.indices.min(self.capacity.vertices) / 3).max(1) };
+        let step =
+            if whole { triangles } else { (self.capacity.indices.min(self.capacity.vertices) / 3).max(1) };
         let textured = self.classes[class as usize].textured != Textured::No;
         let mut first = 0;
         while first < triangles {
