@@ -70,8 +70,20 @@ pub(crate) struct Piece {
     pub(crate) index_count: u32,
 }
 
-/// Where an object stands.
+/// What batching reads of every visible object: half a cache line.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub(crate) struct Spot {
+    /// Middle of its box, world space.
+    pub(crate) center: DVec3,
+    pub(crate) triangles: u32,
+    /// Its group of instances (mesh and handedness), or [`NONE`].
+    pub(crate) group: u32,
+}
+
+/// Where an object stands: one cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(crate) struct Place {
     /// Columns of the linear part.
     pub(crate) columns: [[f32; 3]; 3],
@@ -93,15 +105,10 @@ pub(crate) struct Layout {
     pub(crate) part_ids: Vec<u32>,
     /// Parts of instanced meshes, by class.
     pub(crate) pieces: Vec<Piece>,
-    /// Per object: its group of instances (mesh and handedness), or [`NONE`].
-    pub(crate) group_of: Vec<u32>,
+    pub(crate) spots: Vec<Spot>,
     /// Per group: whether its instances are mirrored.
     pub(crate) mirrored: Vec<bool>,
     pub(crate) places: Vec<Place>,
-    /// Per object: middle of its box, for sorting blended ones.
-    pub(crate) centers: Vec<DVec3>,
-    /// Per object: its triangles.
-    pub(crate) triangles: Vec<u32>,
     pub(crate) chunk_textured: Vec<bool>,
     pub(crate) sources: Vec<Source>,
     pub(crate) sets: Vec<crate::class::TextureSet>,
@@ -196,7 +203,7 @@ impl Layout {
 
         // Pieces: every group draws the same triangles of its mesh.
         let mut groups_of_mesh = vec![[NONE; 2]; data.meshes.len()];
-        for (object, &group) in data.objects.iter().zip(&plan.group_of) {
+        for (object, &Spot { group, .. }) in data.objects.iter().zip(&plan.spots) {
             if group != NONE {
                 groups_of_mesh[object.mesh as usize][usize::from(plan.mirrored[group as usize])] = group;
             }
@@ -232,8 +239,8 @@ impl Layout {
             let m = object.to_world.matrix3;
             let columns = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.as_vec3().to_array());
             self.places.push(Place { columns, origin: object.to_world.translation });
-            self.centers.push(object.to_world.transform_point3(boxes[object.mesh as usize].0));
-            self.triangles.push(mesh_triangles[object.mesh as usize]);
+            let center = object.to_world.transform_point3(boxes[object.mesh as usize].0);
+            let triangles = mesh_triangles[object.mesh as usize];
             let group = if instanced[object.mesh as usize] {
                 let mirrored = is_mirrored(&object.to_world);
                 *groups.entry((object.mesh, mirrored)).or_insert_with(|| {
@@ -243,7 +250,7 @@ impl Layout {
             } else {
                 NONE
             };
-            self.group_of.push(group);
+            self.spots.push(Spot { center, triangles, group });
         }
     }
 
@@ -262,7 +269,7 @@ impl Layout {
             cluster_limit(wanted.iter().map(|&(.., object)| half(object).max_element() * 2.0).collect());
         let mut extent: Option<(DVec3, DVec3)> = None;
         for &(class, _, primitive, object) in wanted {
-            let (center, half) = (self.centers[object as usize], half(object));
+            let (center, half) = (self.spots[object as usize].center, half(object));
             let (low, high) = (center - half, center + half);
             let joined = extent.map_or((low, high), |(l, h)| (l.min(low), h.max(high)));
             let allowed = limit.max(half.max_element() * 8.0);

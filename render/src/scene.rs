@@ -83,7 +83,7 @@ impl GpuScene {
 
     /// Triangles of an object, 0 for one that does not exist.
     pub fn triangles(&self, object: u32) -> u32 {
-        self.layout.triangles.get(object as usize).copied().unwrap_or(0)
+        self.layout.spots.get(object as usize).map_or(0, |spot| spot.triangles)
     }
 
     /// Bytes of geometry and textures on the GPU.
@@ -96,13 +96,13 @@ impl GpuScene {
     pub fn set_tints(&mut self, gpu: &Gpu, tints: Option<&[[u8; 4]]>) {
         self.tints.on = tints.is_some();
         let Some(tints) = tints else { return };
-        let rows = (self.layout.triangles.len() as u32).div_ceil(TINTS_PER_ROW).max(1);
+        let rows = (self.layout.spots.len() as u32).div_ceil(TINTS_PER_ROW).max(1);
         if self.tints.texture.width() != TINTS_PER_ROW {
             self.tints = Tints::new(gpu, &Layouts::new(&gpu.device), TINTS_PER_ROW, rows);
             self.tints.on = true;
         }
         let mut texels = vec![[0; 4]; (TINTS_PER_ROW * rows) as usize];
-        let count = tints.len().min(self.layout.triangles.len());
+        let count = tints.len().min(self.layout.spots.len());
         texels[..count].copy_from_slice(&tints[..count]);
         let bytes = bytemuck::cast_slice(&texels);
         textures::write(&gpu.queue, &self.tints.texture, 0, TINTS_PER_ROW, rows, bytes);
