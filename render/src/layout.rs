@@ -313,6 +313,11 @@ impl Layout {
         }
     }
 
+    /// Rows when everything is visible.
+    pub(crate) fn most_rows(&self) -> u64 {
+        (self.clusters.len() + self.spots.iter().filter(|spot| spot.group != NONE).count()) as u64
+    }
+
     /// Whether parts of this class are blended.
     pub(crate) fn is_blended(&self, class: u32) -> bool {
         self.classes[class as usize].mode == Mode::Blend

@@ -3,7 +3,7 @@
 use crate::geometry::Geometry;
 use crate::layout::{Capacity, Layout};
 use crate::pipeline::Layouts;
-use crate::vertex::Vertex;
+use crate::vertex::{Row, Vertex};
 use crate::{Gpu, RenderError, SceneData, check, textures};
 
 /// Objects per row of the tint texture.
@@ -60,7 +60,8 @@ impl GpuScene {
             indices: Capacity::DEFAULT.indices.min((most / 4).try_into().unwrap_or(u32::MAX)),
             ..Capacity::DEFAULT
         };
-        let row_bytes = data.objects.len() as u64 * size_of::<crate::vertex::Row>() as u64;
+        let mut layout = Layout::new(data, order, capacity);
+        let row_bytes = layout.most_rows() * size_of::<Row>() as u64;
         if row_bytes > most {
             return Err(RenderError::TooLarge {
                 what: "bytes for the transforms of all objects",
@@ -69,7 +70,6 @@ impl GpuScene {
                 advice: "merge small objects",
             });
         }
-        let mut layout = Layout::new(data, order, capacity);
         gpu.guarded(|| {
             let layouts = Layouts::new(&gpu.device);
             let (chunks, geometry_bytes) = upload_chunks(gpu, data, &layout)?;
