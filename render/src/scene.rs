@@ -1,7 +1,8 @@
 //! A scene on the GPU.
 
+use crate::chunk::Capacity;
 use crate::geometry::Geometry;
-use crate::layout::{Capacity, Layout};
+use crate::layout::Layout;
 use crate::pipeline::Layouts;
 use crate::vertex::{Row, Vertex};
 use crate::{Gpu, RenderError, SceneData, check, textures};
