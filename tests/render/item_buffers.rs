@@ -28,7 +28,7 @@ const HEIGHT: u32 = 360;
 const CAMERAS: usize = 6;
 
 /// An object of up to this many pixels may differ for any of the reasons above; of a larger one it must be shown that it
-/// shares its place with another.
+/// shares its place with another, or is behind a transparent one.
 const FEW_PIXELS: u32 = 4;
 
 /// Surfaces this far apart, in half diagonals of the scene, are in the same place.
@@ -46,8 +46,8 @@ struct Agreement {
     seen: usize,
     /// Objects that one of both sees, but not the other.
     differing: usize,
-    /// Those of them that share their place with what the other one sees, and have more than a few pixels.
-    coplanar: usize,
+    /// Those of them with more than a few pixels that share their place with others, or are behind transparent ones.
+    explained: usize,
     /// Pixels of the others.
     pixels: u64,
     /// Most pixels that one of the others has.
@@ -70,8 +70,8 @@ impl Agreement {
         };
         for (object, pixels) in only(&cpu, &gpu).into_iter().chain(only(&gpu, &cpu)) {
             self.differing += 1;
-            if pixels > FEW_PIXELS && shares_its_place(rays, view, items, object) {
-                self.coplanar += 1;
+            if pixels > FEW_PIXELS && is_explained(rays, view, items, object) {
+                self.explained += 1;
             } else {
                 self.pixels += u64::from(pixels);
                 self.largest = self.largest.max(pixels);
@@ -88,12 +88,12 @@ impl Agreement {
     }
 
     /// As measured on these scenes, with room for other drivers: up to 0.4 % of the objects, 3 pixels per million, and
-    /// 1.1 % of the objects where surfaces lie in one plane.
+    /// 1.1 % of the objects where they are seen through two panes of glass.
     #[track_caller]
     fn is_good(&self) {
-        let rest = (self.differing - self.coplanar) as f64 / self.seen as f64;
+        let rest = (self.differing - self.explained) as f64 / self.seen as f64;
         assert!(
-            self.seen > 50 && rest <= 0.01 && self.pixel_share() <= 20e-6 && self.share() <= 0.03,
+            self.seen >= 20 && rest <= 0.01 && self.pixel_share() <= 20e-6 && self.share() <= 0.03,
             "{self:?}"
         );
     }
@@ -119,14 +119,14 @@ fn agreement(file: &Path) -> [Agreement; 2] {
             agreement.add(&rays, &ray_view, &scene.items(&stage, view));
         }
         println!(
-            "{}, {}: {} of {} objects differ ({:.3} %); {} share their place with others, the rest have {:.1} pixels per \
+            "{}, {}: {} of {} objects differ ({:.3} %); {} share their place with others or are seen through them, the rest have {:.1} pixels per \
              million, the largest {} pixels",
             file.file_name().map(|name| name.to_string_lossy()).unwrap_or_default(),
             path.name,
             agreement.differing,
             agreement.seen,
             100.0 * agreement.share(),
-            agreement.coplanar,
+            agreement.explained,
             1e6 * agreement.pixel_share(),
             agreement.largest,
         );
@@ -166,25 +166,34 @@ fn pixels(items: &ItemBuffer) -> Pixels {
     pixels
 }
 
-/// In (nearly) all pixels in which one of both sees the opaque `object`, and the other does not, a ray through the pixel
-/// meets another surface in the same place.
-fn shares_its_place(rays: &RayScene<'_>, view: &verify::View, items: &ItemBuffer, object: u32) -> bool {
+/// In (nearly) all pixels in which one of both sees `object`, and the other does not, it is behind a transparent object
+/// that the item buffer keeps instead, or a ray through the pixel meets another surface in the same place.
+fn is_explained(rays: &RayScene<'_>, view: &verify::View, items: &ItemBuffer, object: u32) -> bool {
     let eye = (view.eye - rays.center()) / rays.radius();
-    let (mut shown, mut shared, mut hits) = (0, 0, Vec::new());
+    let (mut shown, mut explained) = (0, 0);
+    let (mut hits, mut transparent) = (Vec::new(), Vec::new());
     for pixel in 0..WIDTH * HEIGHT {
-        rays.line(eye, view.ray(pixel % WIDTH, pixel / WIDTH), &mut hits);
-        hits.retain(|hit| hit.t > 0.0 && hit.seen_from_start && hit.opaque);
-        let Some(nearest) = hits.iter().map(|hit| hit.t).reduce(f32::min) else { continue };
-        hits.retain(|hit| hit.t - nearest <= SAME_PLACE);
-        let is_there = hits.iter().any(|hit| hit.member == object);
-        let seen_by_gpu = items.nearest[pixel as usize] == object;
-        let seen_by_cpu = is_there && hits.iter().all(|hit| hit.t > nearest || hit.member >= object);
-        if seen_by_cpu != seen_by_gpu {
-            shown += 1;
-            shared += u32::from(is_there && hits.iter().any(|hit| hit.member != object));
+        let ray = view.ray(pixel % WIDTH, pixel / WIDTH);
+        let nearest = rays.view(eye, ray, &mut transparent);
+        let seen_by_cpu = nearest.iter().chain(&transparent).any(|hit| hit.member == object);
+        let front = items.transparent[pixel as usize];
+        if seen_by_cpu == (items.nearest[pixel as usize] == object || front == object) {
+            continue;
         }
+        shown += 1;
+        let is_transparent = |member: u32| transparent.iter().any(|hit| hit.member == member);
+        if is_transparent(object) && is_transparent(front) {
+            explained += 1;
+            continue;
+        }
+        rays.line(eye, ray, &mut hits);
+        hits.retain(|hit| hit.t > 0.0 && hit.seen_from_start);
+        let own = hits.iter().filter(|hit| hit.member == object).map(|hit| hit.t).reduce(f32::min);
+        let in_place =
+            |own: f32| hits.iter().any(|hit| hit.member != object && (hit.t - own).abs() <= SAME_PLACE);
+        explained += u32::from(own.is_some_and(in_place));
     }
-    shown > 0 && shared * 100 >= shown * 95
+    shown > 0 && explained * 100 >= shown * 95
 }
 
 #[test]
