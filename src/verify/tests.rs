@@ -1,9 +1,9 @@
 //! Hand-made scenes with exact expected answers, and one file from bake to report.
 
-use super::baked::Baked;
 use super::methods::{Measure, Slider};
 use super::*;
 use crate::bake::{self, BakeOptions, Quality, Silent};
+use crate::baked::Baked;
 use crate::scene::{Mesh, Object, Opacity, Role, Scene, Surface};
 use glam::{DAffine3, DVec3, Vec3};
 use serde_json::json;
@@ -39,6 +39,7 @@ fn scene(cubes: &[(DVec3, f64, bool)]) -> Scene {
         scene_node: 0,
         to_world: DAffine3::from_scale_rotation_translation(DVec3::splat(half), Default::default(), center),
         role: Role::Static,
+        hidden: false,
     };
     Scene {
         meshes: vec![cube(Opacity::Opaque), cube(Opacity::Transparent)],

@@ -1,0 +1,136 @@
+//! Opens files.
+
+use super::{Stage, object_of};
+use crate::appearance::{self, AppearanceError};
+use crate::bake::subject::box_in_tree;
+use crate::bake::tree::Aabb;
+use crate::baked::{Baked, BakedError, outward};
+use crate::gltf::Document;
+use crate::scene::{Object, ReadOptions, Scene, SceneError, read_scene};
+use glam::{DMat4, DVec3};
+use serde_json::Value;
+use std::collections::HashSet;
+use svs_runtime::{Bounds, BoundsError, Camera, Draw, LOOSE, SceneCuller, Settings};
+
+/// Coordinates beyond this do not fit the culler's boxes with room for arithmetic.
+const MAX_COORDINATE: f64 = 1e18;
+
+/// Why a file cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StageError {
+    /// The scene cannot be read.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Its looks cannot be read.
+    #[error(transparent)]
+    Appearance(#[from] AppearanceError),
+    /// The culler refuses the objects' boxes.
+    #[error("the objects cannot be culled: {0}")]
+    Bounds(#[from] BoundsError),
+}
+
+/// Trees that can be used, and their culler.
+struct Trees {
+    baked: Option<Baked>,
+    culler: SceneCuller,
+    notice: Option<String>,
+}
+
+impl Stage {
+    /// Opens the scene that was baked, else the file's default scene.
+    ///
+    /// # Errors
+    /// [`StageError`] if there is no scene that could be drawn. Baked visibility that cannot be used is no error, see
+    /// [`Stage::notice`].
+    pub fn open(doc: &Document) -> Result<Stage, StageError> {
+        let (scene, trees) = trees(doc)?;
+        let looks = appearance::read(doc, &scene)?;
+        let bounds = |object: &Object| {
+            let mesh = &scene.meshes[object.mesh as usize];
+            let bounds = box_in_tree(mesh, &object.to_world);
+            let is_drawn = !object.hidden && mesh.drawn_triangles > 0 && is_usable(&bounds);
+            if is_drawn { bounds } else { Aabb::EMPTY }
+        };
+        let boxes: Vec<Aabb> = scene.objects.iter().map(bounds).collect();
+        let triangle = |object: &Object| scene.meshes[object.mesh as usize].drawn_triangles;
+        let triangles: Vec<u32> = scene.objects.iter().map(triangle).collect();
+        let Trees { baked, mut culler, notice } = trees;
+        let mut draws = vec![None; scene.objects.len()];
+        for (draw, object) in baked.iter().flat_map(Baked::draws) {
+            // A file may name one object in two trees: the first one stands for it.
+            draws[object as usize].get_or_insert(draw);
+        }
+        let is_loose = |&object: &usize| draws[object].is_none() && !boxes[object].is_empty();
+        let loose: Vec<u32> = (0..draws.len()).filter(is_loose).map(|object| object as u32).collect();
+        for (place, &object) in loose.iter().enumerate() {
+            draws[object as usize] = Some(Draw { tree: LOOSE, anchor: 0, object: place as u32 });
+        }
+        let loose_boxes: Vec<Bounds> =
+            loose.iter().filter_map(|&object| outward(&boxes[object as usize])).collect();
+        let loose_triangles: Vec<u32> = loose.iter().map(|&object| triangles[object as usize]).collect();
+        culler.set_loose(&loose_boxes, &loose_triangles)?;
+        let order = order(&mut culler, |draw| object_of(baked.as_ref(), &loose, draw));
+        let settings = baked.as_ref().map_or_else(Settings::default, Baked::settings);
+        Ok(Stage {
+            names: names(doc, &scene),
+            bounds: around(&boxes),
+            data: looks.data,
+            notes: looks.notes,
+            hidden: vec![false; triangles.len()],
+            drawn: Vec::with_capacity(order.len()),
+            scene,
+            triangles,
+            baked,
+            notice,
+            culler,
+            settings,
+            order,
+            draws,
+            loose,
+            boxes,
+        })
+    }
+}
+
+/// Everything that can be drawn, each object once, as the culler answers.
+fn order(culler: &mut SceneCuller, object_of: impl Fn(Draw) -> Option<u32>) -> Vec<u32> {
+    let everywhere = Camera::perspective(DMat4::IDENTITY, 1.0, 1.0, 1.0, 0.0);
+    let everything = Settings { frustum: false, ..Settings::FRUSTUM };
+    let mut seen = HashSet::new();
+    let objects = culler.cull(&everywhere, &everything).iter().filter_map(|&draw| object_of(draw));
+    objects.filter(|&object| seen.insert(object)).collect()
+}
+
+fn trees(doc: &Document) -> Result<(Scene, Trees), StageError> {
+    let read = || {
+        let (scene, baked) = Baked::read(doc)?;
+        let culler = baked.culler(&scene)?;
+        Ok((scene, Trees { baked: Some(baked), culler, notice: None }))
+    };
+    let notice = match read() {
+        Ok(read) => return Ok(read),
+        Err(BakedError::NotBaked) => None,
+        Err(BakedError::Scene(error)) => return Err(error.into()),
+        Err(error) => Some(format!("{error}; culled by the frustum alone")),
+    };
+    let scene = read_scene(doc, &ReadOptions::default())?;
+    Ok((scene, Trees { baked: None, culler: SceneCuller::empty(), notice }))
+}
+
+/// Finite and of a size that boxes in single precision can hold.
+fn is_usable(bounds: &Aabb) -> bool {
+    !bounds.is_empty() && bounds.min.abs().max(bounds.max.abs()).max_element() <= MAX_COORDINATE
+}
+
+/// Box around boxes; a unit cube around the origin if all are empty.
+fn around(boxes: &[Aabb]) -> Aabb {
+    let all = boxes.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
+    if all.is_empty() { Aabb { min: DVec3::splat(-0.5), max: DVec3::splat(0.5) } } else { all }
+}
+
+fn names(doc: &Document, scene: &Scene) -> Vec<Option<String>> {
+    let nodes = doc.json.get("nodes");
+    let name = |node: usize| nodes?.get(node)?.get("name").and_then(Value::as_str).map(str::to_owned);
+    scene.objects.iter().map(|object| name(object.node)).collect()
+}
