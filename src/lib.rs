@@ -26,6 +26,8 @@
 //! - [`generate`] makes the sample scenes.
 
 pub mod bake;
+#[cfg(feature = "render")]
+pub mod evaluate;
 pub mod generate;
 pub mod gltf;
 pub mod scene;
