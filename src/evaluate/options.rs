@@ -1,5 +1,6 @@
 //! What to measure.
 
+use crate::camera_path::CameraPath;
 use std::fmt;
 use std::str::FromStr;
 
@@ -118,6 +119,10 @@ pub enum Tour {
 /// What to measure. The default is what `svs evaluate` does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EvaluateOptions {
+    /// Camera paths to fly; none: those of `tour`.
+    pub paths: Vec<CameraPath>,
+    /// Generated paths, where `paths` is empty.
+    pub tour: Tour,
     /// Methods, in the order of the report.
     pub methods: Vec<EvaluationMethod>,
     /// Quality of the visibility query, 0 to 1; `None`: as the file recommends, else the runtime's default.
@@ -137,6 +142,8 @@ pub struct EvaluateOptions {
 impl Default for EvaluateOptions {
     fn default() -> Self {
         Self {
+            paths: Vec::new(),
+            tour: Tour::Both,
             methods: vec![EvaluationMethod::Frustum, EvaluationMethod::Visibility, EvaluationMethod::Exact],
             quality: None,
             budget: None,
@@ -149,13 +156,13 @@ impl Default for EvaluateOptions {
 }
 
 /// Smallest picture: room for one window of the similarity.
-pub const LEAST_SIZE: u32 = 16;
+const LEAST_SIZE: u32 = 16;
 /// Largest picture, pixels a side.
-pub const MOST_SIZE: u32 = 8192;
+const MOST_SIZE: u32 = 8192;
 /// Most frames of a path.
-pub const MOST_FRAMES: usize = 100_000;
+const MOST_FRAMES: usize = 100_000;
 /// Most passes.
-pub const MOST_PASSES: usize = 1000;
+const MOST_PASSES: usize = 1000;
 
 impl EvaluateOptions {
     /// Whether they make sense together.
