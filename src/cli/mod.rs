@@ -6,6 +6,8 @@
 mod args;
 mod build;
 mod error;
+#[cfg(feature = "render")]
+mod evaluate;
 mod file;
 mod info;
 mod interrupt;
@@ -48,6 +50,8 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Info(args) => info::run(args, &cli.common),
         Command::Validate(args) => validate::run(args, &cli.common),
         Command::Verify(args) => verify::run(args, &cli.common),
+        #[cfg(feature = "render")]
+        Command::Evaluate(args) => evaluate::run(args, &cli.common),
         Command::Sample(args) => sample::run(args, &cli.common),
         Command::Strip(args) => strip::run(args, &cli.common),
     }

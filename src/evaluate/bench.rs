@@ -46,7 +46,14 @@ impl Cullers {
                     None => Budget::Triangles(capacity),
                 };
                 let stage = self.budgeted.as_mut().unwrap_or(&mut self.stage);
-                return stage.cull(&shot.view, self.width, self.height, Method::Visibility, &self.settings, &budget);
+                return stage.cull(
+                    &shot.view,
+                    self.width,
+                    self.height,
+                    Method::Visibility,
+                    &self.settings,
+                    &budget,
+                );
             }
         };
         self.stage.cull(&shot.view, self.width, self.height, method, &self.settings, &budget)
@@ -54,7 +61,11 @@ impl Cullers {
 
     pub(super) fn triangles_of(&self, objects: &[u32]) -> u64 {
         let triangles = self.stage.triangles();
-        objects.iter().filter_map(|&object| triangles.get(object as usize)).map(|&count| u64::from(count)).sum()
+        objects
+            .iter()
+            .filter_map(|&object| triangles.get(object as usize))
+            .map(|&count| u64::from(count))
+            .sum()
     }
 }
 
@@ -107,7 +118,11 @@ impl Bench {
     }
 
     /// Culls, then draws what is left, and takes the time of both.
-    pub(super) fn fly(&mut self, shot: &Shot, method: EvaluationMethod) -> Result<Flown<'_>, EvaluateError> {
+    pub(super) fn fly<'a>(
+        &'a mut self,
+        shot: &'a Shot,
+        method: EvaluationMethod,
+    ) -> Result<Flown<'a>, EvaluateError> {
         let start = Instant::now();
         let objects = self.cullers.cull(shot, method);
         let cull_us = match method {

@@ -72,7 +72,10 @@ mod tests {
 
     #[test]
     fn the_processor_is_found() {
-        assert_eq!(model_name("processor\t: 0\nmodel name\t: A CPU @ 2 GHz\n").as_deref(), Some("A CPU @ 2 GHz"));
+        assert_eq!(
+            model_name("processor\t: 0\nmodel name\t: A CPU @ 2 GHz\n").as_deref(),
+            Some("A CPU @ 2 GHz")
+        );
         assert_eq!(model_name("processor\t: 0\nmodel name\t:\n"), None);
         assert_eq!(model_name(""), None);
     }

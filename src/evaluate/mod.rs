@@ -45,7 +45,7 @@ pub use machine::Machine;
 pub use options::{EvaluateOptions, EvaluationMethod, FrameBudget, OptionError, Tour};
 pub use report::{REPORT_FILES, ReportError};
 pub use result::{
-    CostReport, Evaluation, FrameResult, MethodSummary, MissingObject, PathEvaluation, QualityResult, Settings,
-    TimeResult, TimeSource, WorstFrame,
+    CostReport, Evaluation, FrameResult, MethodSummary, MissingObject, PathEvaluation, QualityResult,
+    Settings, TimeResult, TimeSource, WorstFrame,
 };
 pub use run::evaluate;

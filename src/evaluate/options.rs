@@ -206,7 +206,9 @@ impl EvaluateOptions {
 #[non_exhaustive]
 pub enum OptionError {
     /// No such method.
-    #[error("there is no method {0:?}; there are nothing, frustum, visibility, exact, budget and first-misfit")]
+    #[error(
+        "there is no method {0:?}; there are nothing, frustum, visibility, exact, budget and first-misfit"
+    )]
     Method(String),
     /// No method at all.
     #[error("at least one method is needed")]

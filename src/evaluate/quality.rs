@@ -30,7 +30,8 @@ pub(super) fn compare(
     lists: &[Vec<Option<Vec<u32>>>],
     progress: &dyn Progress,
 ) -> Result<(Vec<Vec<QualityResult>>, Vec<WorstFrame>), EvaluateError> {
-    let mut results: Vec<Vec<QualityResult>> = methods.iter().map(|_| Vec::with_capacity(shots.len())).collect();
+    let mut results: Vec<Vec<QualityResult>> =
+        methods.iter().map(|_| Vec::with_capacity(shots.len())).collect();
     let mut worst: Vec<Option<WorstFrame>> = methods.iter().map(|_| None).collect();
     for (frame, shot) in shots.iter().enumerate() {
         let sorted = sorted(bench.cullers.cull(shot, EvaluationMethod::Frustum));

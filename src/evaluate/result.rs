@@ -254,7 +254,8 @@ impl MethodSummary {
             frames.iter().copied().filter(|frame| frame.method == method).collect()
         };
         let frustum = of(EvaluationMethod::Frustum);
-        let frustum_ms = (!frustum.is_empty()).then(|| median_of(frustum.iter().map(|frame| frame.time.frame_ms)));
+        let frustum_ms =
+            (!frustum.is_empty()).then(|| median_of(frustum.iter().map(|frame| frame.time.frame_ms)));
         options.methods.iter().map(|&method| Self::of(method, &of(method), frustum_ms)).collect()
     }
 }

@@ -6,9 +6,11 @@ use super::flight::{Flight, flights};
 use super::machine::Machine;
 use super::metrics::Seen;
 use super::options::{EvaluateOptions, EvaluationMethod, FrameBudget};
-use super::result::{CostReport, Evaluation, FrameResult, MethodSummary, PathEvaluation, Settings, TimeSource};
-use super::timing::{self, Timed};
 use super::quality;
+use super::result::{
+    CostReport, Evaluation, FrameResult, MethodSummary, PathEvaluation, Settings, TimeSource,
+};
+use super::timing::{self, Timed};
 use crate::bake::Progress;
 use crate::gltf::Document;
 
@@ -91,8 +93,10 @@ fn fly(
     let mut timed = timing::measure(bench, &shots, options, source, progress)?;
 
     progress.stage(&format!("{name}: comparing pictures"), Some(shots.len() as u64));
-    let lists: Vec<Vec<Option<Vec<u32>>>> =
-        timed.iter_mut().map(|frames| frames.iter_mut().map(|frame| frame.objects.take()).collect()).collect();
+    let lists: Vec<Vec<Option<Vec<u32>>>> = timed
+        .iter_mut()
+        .map(|frames| frames.iter_mut().map(|frame| frame.objects.take()).collect())
+        .collect();
     let (quality, worst) = quality::compare(bench, &shots, &options.methods, &lists, progress)?;
 
     let mut frames = Vec::with_capacity(frames);
@@ -101,7 +105,16 @@ fn fly(
             let Timed { time, draws, draw_calls, triangles, .. } = timed[place][frame];
             let triangle_budget = shot.triangles.filter(|_| method.is_budgeted());
             let quality = quality[place][frame];
-            frames.push(FrameResult { frame, method, time, draws, draw_calls, triangles, triangle_budget, quality });
+            frames.push(FrameResult {
+                frame,
+                method,
+                time,
+                draws,
+                draw_calls,
+                triangles,
+                triangle_budget,
+                quality,
+            });
         }
     }
     let all: Vec<&FrameResult> = frames.iter().collect();
@@ -142,7 +155,8 @@ fn cost_report(bench: &Bench, options: &EvaluateOptions, frames: &[&FrameResult]
 /// What has to be said of the file.
 fn notice(bench: &Bench, options: &EvaluateOptions) -> Option<String> {
     let stage = &bench.cullers.stage;
-    let by_visibility = [EvaluationMethod::Visibility, EvaluationMethod::Budget, EvaluationMethod::FirstMisfit];
+    let by_visibility =
+        [EvaluationMethod::Visibility, EvaluationMethod::Budget, EvaluationMethod::FirstMisfit];
     let matters = options.methods.iter().any(|method| by_visibility.contains(method));
     match stage.notice() {
         Some(notice) => Some(notice.to_owned()),

@@ -36,13 +36,18 @@ struct Sample {
 
 /// Draws a few frames with each method, not counted: shaders are compiled, buffers grow, clocks rise. Says which clock
 /// to trust.
-pub(super) fn warm_up(bench: &mut Bench, shots: &[Shot], options: &EvaluateOptions) -> Result<TimeSource, EvaluateError> {
+pub(super) fn warm_up(
+    bench: &mut Bench,
+    shots: &[Shot],
+    options: &EvaluateOptions,
+) -> Result<TimeSource, EvaluateError> {
     let mut sound = bench.gpu.adapter.get_info().device_type != svs_render::wgpu::DeviceType::Cpu;
     for shot in spread(shots, WARM_UP) {
         for &method in &options.methods {
             let time = bench.fly(shot, method)?.time;
             // A frame of nothing may take no time at all.
-            let is_sound = |ms: f64| ms <= time.wall_ms * TOLERANCE && (ms > 0.0 || time.statistics.triangles == 0);
+            let is_sound =
+                |ms: f64| ms <= time.wall_ms * TOLERANCE && (ms > 0.0 || time.statistics.triangles == 0);
             sound &= time.gpu_ms.is_some_and(is_sound);
         }
     }
@@ -95,7 +100,11 @@ pub(super) fn measure(
                 if depends_on_the_past && learning {
                     learn(bench, count, cull_us, &time, source);
                 }
-                samples[place][frame].push(Sample { cull_us, frame_ms: frame_ms(source, cull_us, &time), time });
+                samples[place][frame].push(Sample {
+                    cull_us,
+                    frame_ms: frame_ms(source, cull_us, &time),
+                    time,
+                });
                 progress.advance(1);
             }
         }

@@ -21,8 +21,14 @@ pub struct SizeMismatch {
 
 fn same_size(a: &svs_render::Image, b: &svs_render::Image) -> Result<(), SizeMismatch> {
     let size = |image: &svs_render::Image| (image.width, image.height);
-    let whole = |image: &svs_render::Image| image.rgba.len() as u64 == u64::from(image.width) * u64::from(image.height) * 4;
-    if size(a) == size(b) && whole(a) && whole(b) { Ok(()) } else { Err(SizeMismatch { a: size(a), b: size(b) }) }
+    let whole = |image: &svs_render::Image| {
+        image.rgba.len() as u64 == u64::from(image.width) * u64::from(image.height) * 4
+    };
+    if size(a) == size(b) && whole(a) && whole(b) {
+        Ok(())
+    } else {
+        Err(SizeMismatch { a: size(a), b: size(b) })
+    }
 }
 
 #[cfg(test)]

@@ -18,7 +18,8 @@ impl Plane {
     /// Luma of a picture of four bytes a pixel, moved by -128: small numbers keep more digits when they are squared.
     pub(super) fn centered_luma(width: u32, height: u32, rgba: &[u8]) -> Self {
         let luma = |texel: &[u8]| {
-            LUMA[0] * f32::from(texel[0]) + LUMA[1] * f32::from(texel[1]) + LUMA[2] * f32::from(texel[2]) - CENTER
+            LUMA[0] * f32::from(texel[0]) + LUMA[1] * f32::from(texel[1]) + LUMA[2] * f32::from(texel[2])
+                - CENTER
         };
         let values = rgba.par_chunks_exact(4).with_min_len(1 << 14).map(luma).collect();
         Self { width: width as usize, height: height as usize, values }

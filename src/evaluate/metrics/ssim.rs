@@ -58,7 +58,8 @@ impl Moments {
         let variances = (squares - a * a - b * b).max(0.0);
         let covariance = product - a * b;
         let (a, b) = (a + CENTER, b + CENTER);
-        let likeness = (2.0 * a * b + C1) / (a * a + b * b + C1) * ((2.0 * covariance + C2) / (variances + C2));
+        let likeness =
+            (2.0 * a * b + C1) / (a * a + b * b + C1) * ((2.0 * covariance + C2) / (variances + C2));
         // Rounding of nearly equal windows.
         likeness.clamp(-1.0, 1.0)
     }

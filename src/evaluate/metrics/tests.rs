@@ -34,7 +34,9 @@ fn plain_ssim(a: &Image, b: &Image) -> f64 {
     };
     let halve = |values: &[f64], width: usize, height: usize| -> Vec<f64> {
         let places = (0..height / 2).flat_map(|y| (0..width / 2).map(move |x| 2 * y * width + 2 * x));
-        places.map(|i| (values[i] + values[i + 1] + values[i + width] + values[i + width + 1]) / 4.0).collect()
+        places
+            .map(|i| (values[i] + values[i + 1] + values[i + width] + values[i + width + 1]) / 4.0)
+            .collect()
     };
     let (mut width, mut height) = (a.width as usize, a.height as usize);
     let (mut a, mut b) = (luma(a), luma(b));
@@ -63,7 +65,8 @@ fn plain_window(a: &[f64], b: &[f64], width: usize, left: usize, top: usize) -> 
         }
     }
     let total: f64 = weighted.iter().map(|w| w.0).sum();
-    let mean = |of: &dyn Fn(f64, f64) -> f64| weighted.iter().map(|w| w.0 * of(w.1, w.2)).sum::<f64>() / total;
+    let mean =
+        |of: &dyn Fn(f64, f64) -> f64| weighted.iter().map(|w| w.0 * of(w.1, w.2)).sum::<f64>() / total;
     let (ma, mb) = (mean(&|a, _| a), mean(&|_, b| b));
     let (va, vb) = (mean(&|a, _| (a - ma).powi(2)), mean(&|_, b| (b - mb).powi(2)));
     let covariance = mean(&|a, b| (a - ma) * (b - mb));
@@ -177,16 +180,21 @@ fn missing_and_overdrawn_objects_are_counted() {
 
 /// Two pictures: noise of some strength over a gradient, an equal part at the top.
 fn pair() -> impl Strategy<Value = (Image, Image)> {
-    (1_u32..48, 1_u32..48, any::<[u32; 2]>(), 1_u32..=256, 0_u32..48).prop_map(|(width, height, seeds, strength, equal)| {
-        let texel = move |seed: u32| {
-            move |x: u32, y: u32| {
-                let seed = if y < equal { 1 } else { seed };
-                [0, 1, 2].map(|c| ((x * 3 + y * 2) % 256 * (256 - strength) / 256 + u32::from(noise(seed + c, x, y)) * strength / 256) as u8)
-            }
-        };
-        let seeds = seeds.map(|seed| seed % 1_000_000);
-        (picture(width, height, texel(seeds[0])), picture(width, height, texel(seeds[1])))
-    })
+    (1_u32..48, 1_u32..48, any::<[u32; 2]>(), 1_u32..=256, 0_u32..48).prop_map(
+        |(width, height, seeds, strength, equal)| {
+            let texel = move |seed: u32| {
+                move |x: u32, y: u32| {
+                    let seed = if y < equal { 1 } else { seed };
+                    [0, 1, 2].map(|c| {
+                        ((x * 3 + y * 2) % 256 * (256 - strength) / 256
+                            + u32::from(noise(seed + c, x, y)) * strength / 256) as u8
+                    })
+                }
+            };
+            let seeds = seeds.map(|seed| seed % 1_000_000);
+            (picture(width, height, texel(seeds[0])), picture(width, height, texel(seeds[1])))
+        },
+    )
 }
 
 proptest! {

@@ -49,7 +49,9 @@ fn findings(evaluation: &Evaluation) -> String {
     let mut html = String::from("<ul>\n");
     for path in &evaluation.paths {
         for method in &path.methods {
-            let Some(speedup) = method.speedup_over_frustum.filter(|_| method.method != "frustum") else { continue };
+            let Some(speedup) = method.speedup_over_frustum.filter(|_| method.method != "frustum") else {
+                continue;
+            };
             let share = path.methods.iter().find(|m| m.method == "frustum").map(|frustum| {
                 let share = method.triangles.median / frustum.triangles.median.max(1.0) * 100.0;
                 format!(" and {} % of the triangles", three(share))
@@ -132,8 +134,11 @@ fn plots(path: &PathEvaluation, methods: &[EvaluationMethod]) -> String {
         ceiling: None,
         from_zero: true,
     };
-    let likeness =
-        Plot { ceiling: Some(1.0), from_zero: false, ..plot("SSIM, 1 is equal", &|frame| frame.quality.ssim) };
+    let likeness = Plot {
+        ceiling: Some(1.0),
+        from_zero: false,
+        ..plot("SSIM, 1 is equal", &|frame| frame.quality.ssim)
+    };
     let plots = [
         plot("Frame time, ms", &|frame| frame.time.frame_ms),
         plot("Triangles drawn", &|frame| frame.triangles as f64),
@@ -150,7 +155,8 @@ fn plots(path: &PathEvaluation, methods: &[EvaluationMethod]) -> String {
 
 fn facts(evaluation: &Evaluation) -> String {
     let (machine, settings) = (&evaluation.machine, &evaluation.settings);
-    let size = evaluation.file_bytes.map_or_else(String::new, |bytes| format!(", {} bytes", grouped(bytes as f64)));
+    let size =
+        evaluation.file_bytes.map_or_else(String::new, |bytes| format!(", {} bytes", grouped(bytes as f64)));
     let mut rows = vec![
         (
             "scene",
@@ -181,7 +187,10 @@ fn facts(evaluation: &Evaluation) -> String {
         ("processor", format!("{}, {} threads, {}", machine.cpu, machine.cores, machine.system)),
         (
             "graphics",
-            format!("{} ({}), {}, driver {}", machine.adapter, machine.adapter_kind, machine.backend, machine.driver),
+            format!(
+                "{} ({}), {}, driver {}",
+                machine.adapter, machine.adapter_kind, machine.backend, machine.driver
+            ),
         ),
         ("program", format!("svs {}", machine.version)),
     ];

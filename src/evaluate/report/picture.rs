@@ -109,12 +109,7 @@ fn boxes(marks: &[bool], width: u32, height: u32) -> Vec<Box> {
 
 fn around(first: Option<Box>, second: Box) -> Box {
     let Some(first) = first else { return second };
-    [
-        first[0].min(second[0]),
-        first[1].min(second[1]),
-        first[2].max(second[2]),
-        first[3].max(second[3]),
-    ]
+    [first[0].min(second[0]), first[1].min(second[1]), first[2].max(second[2]), first[3].max(second[3])]
 }
 
 fn outline(image: &mut RgbImage, [left, top, right, bottom]: Box) {
@@ -141,7 +136,9 @@ mod tests {
     use super::*;
 
     fn decode(uri: &str) -> RgbImage {
-        let bytes = BASE64_STANDARD.decode(uri.strip_prefix("data:image/png;base64,").expect("a PNG")).expect("base64");
+        let bytes = BASE64_STANDARD
+            .decode(uri.strip_prefix("data:image/png;base64,").expect("a PNG"))
+            .expect("base64");
         image::load_from_memory(&bytes).expect("a picture").into_rgb8()
     }
 

@@ -155,7 +155,8 @@ impl Series {
 /// The smallest of 1, 2, 2.5 and 5 times a power of ten that is not below `least`, which is above 0.
 fn nice(least: f64) -> f64 {
     let power = 10_f64.powf(least.log10().floor());
-    let found = [1.0, 2.0, 2.5, 5.0].map(|m| m * power).into_iter().find(|&step| step >= least * (1.0 - 1e-9));
+    let found =
+        [1.0, 2.0, 2.5, 5.0].map(|m| m * power).into_iter().find(|&step| step >= least * (1.0 - 1e-9));
     found.unwrap_or(10.0 * power)
 }
 

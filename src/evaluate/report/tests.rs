@@ -57,7 +57,8 @@ fn evaluation() -> Evaluation {
         missing: (0..32 * 20).map(|at| at == 70).collect(),
         largest: vec![MissingObject { object: 7, name: Some(NASTY.to_owned()), pixels: 1 }],
     };
-    let path = PathEvaluation { name: NASTY.to_owned(), methods: methods.clone(), frames, worst: vec![worst] };
+    let path =
+        PathEvaluation { name: NASTY.to_owned(), methods: methods.clone(), frames, worst: vec![worst] };
     let text = |text: &str| text.to_owned();
     Evaluation {
         scene: NASTY.to_owned(),
@@ -103,7 +104,8 @@ fn the_page_is_whole_and_escapes_names() {
         assert!(!html.contains(resource), "{resource}");
     }
     for element in ["svg", "div", "table", "figure", "p", "h2", "tr", "td", "text", "ul", "li"] {
-        let begin = html.matches(&format!("<{element}>")).count() + html.matches(&format!("<{element} ")).count();
+        let begin =
+            html.matches(&format!("<{element}>")).count() + html.matches(&format!("<{element} ")).count();
         assert_eq!(begin, html.matches(&format!("</{element}>")).count(), "{element}");
     }
     // Four plots and the legend's three lines.
@@ -158,7 +160,10 @@ fn the_summary_has_its_form() {
             }
         }
         for figure in ["ssim", "psnr_y", "psnr_cb", "psnr_cr"] {
-            assert!(method[figure]["median"].is_f64() && method[figure]["worst"].is_f64(), "{figure}: {method}");
+            assert!(
+                method[figure]["median"].is_f64() && method[figure]["worst"].is_f64(),
+                "{figure}: {method}"
+            );
         }
     }
     assert_eq!(methods[1]["speedup_over_frustum"], 4.0);
