@@ -9,7 +9,7 @@ use crate::bake::Progress;
 use svs_render::FrameTime;
 
 /// Frames of the warm-up, spread over the path.
-const WARM_UP: usize = 4;
+const WARM_UP: usize = 3;
 
 /// Frames that the cost model learns from before the first pass, spread over the path.
 const LESSONS: usize = 12;

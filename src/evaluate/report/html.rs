@@ -1,7 +1,7 @@
 //! `report.html`: one file, no scripts, no other resources.
 
 use super::style::{CSS, look};
-use super::svg::{Plot, Series, escape};
+use super::svg::{Plot, Scale, Series, escape};
 use super::worst;
 use crate::evaluate::metrics::MAX_PSNR;
 use crate::evaluate::options::EvaluationMethod;
@@ -81,10 +81,10 @@ fn methods(summaries: &[MethodSummary]) -> Vec<EvaluationMethod> {
 fn table(methods: &[MethodSummary]) -> String {
     let mut html = String::from(
         "<div class=\"wide\"><table><thead><tr><th rowspan=\"2\">method</th><th colspan=\"4\">frame, ms</th>\
-         <th rowspan=\"2\">× frustum’s<br>speed</th><th colspan=\"2\">culling, µs</th><th rowspan=\"2\">objects<br>drawn</th>\
+         <th rowspan=\"2\">× frustum’s<br>speed</th><th rowspan=\"2\">culling,<br>µs</th><th rowspan=\"2\">objects<br>drawn</th>\
          <th rowspan=\"2\">draw<br>calls</th><th rowspan=\"2\">triangles</th><th colspan=\"2\">missing, ppm</th>\
          <th colspan=\"2\">SSIM</th><th colspan=\"2\">PSNR Y, dB</th></tr>\n<tr><th>median</th><th>p95</th><th>p99</th>\
-         <th>worst</th><th>median</th><th>p95</th><th>median</th><th>worst</th><th>median</th><th>worst</th><th>median</th>\
+         <th>worst</th><th>median</th><th>worst</th><th>median</th><th>worst</th><th>median</th>\
          <th>worst</th></tr></thead><tbody>\n",
     );
     for method in methods {
@@ -92,7 +92,7 @@ fn table(methods: &[MethodSummary]) -> String {
         let frame = &method.frame_ms;
         cells.extend([frame.median, frame.p95, frame.p99, frame.worst].map(three));
         cells.push(method.speedup_over_frustum.map_or_else(|| "–".to_owned(), three));
-        cells.extend([method.cull_us.median, method.cull_us.p95].map(three));
+        cells.push(three(method.cull_us.median));
         cells.extend([method.draws, method.draw_calls, method.triangles].map(|f| grouped(f.median)));
         cells.extend([method.missing_ppm.median, method.missing_ppm.worst].map(three));
         cells.extend([method.ssim.median, method.ssim.worst].map(|value| format!("{value:.6}")));
@@ -100,7 +100,7 @@ fn table(methods: &[MethodSummary]) -> String {
         let cells: Vec<String> = cells.into_iter().map(|cell| format!("<td>{cell}</td>")).collect();
         let _ = writeln!(html, "<tr>{}</tr>", cells.concat());
     }
-    html + "</tbody></table></div>\n<p class=\"quiet\">Objects, draw calls and triangles are medians.</p>\n"
+    html + "</tbody></table></div>\n<p class=\"quiet\">Culling, objects, draw calls and triangles are medians.</p>\n"
 }
 
 fn legend(methods: &[EvaluationMethod]) -> String {
@@ -120,38 +120,46 @@ fn legend(methods: &[EvaluationMethod]) -> String {
 }
 
 fn plots(path: &PathEvaluation, methods: &[EvaluationMethod]) -> String {
-    let series = |of: &dyn Fn(&FrameResult) -> f64| -> Vec<Series> {
+    let plot = |title: &str, methods: &[EvaluationMethod], scale: Scale, of: &dyn Fn(&FrameResult) -> f64| {
         let line = |&method: &EvaluationMethod| Series {
             name: method.name().to_owned(),
             look: look(method),
             values: path.frames_of(method).map(of).collect(),
         };
-        methods.iter().map(line).collect()
+        Plot { title: title.to_owned(), series: methods.iter().map(line).collect(), scale }
     };
-    let plot = |title: &str, of: &dyn Fn(&FrameResult) -> f64| Plot {
-        title: title.to_owned(),
-        series: series(of),
-        ceiling: None,
-        from_zero: true,
-    };
-    let likeness = Plot {
-        ceiling: Some(1.0),
-        from_zero: false,
-        ..plot("SSIM, 1 is equal", &|frame| frame.quality.ssim)
-    };
-    let plots = [
-        plot("Frame time, ms", &|frame| frame.time.frame_ms),
-        plot("Triangles drawn", &|frame| frame.triangles as f64),
-        plot("Missing pixels, ppm", &|frame| frame.quality.missing_ppm),
-        likeness,
+    let time = |frame: &FrameResult| frame.time.frame_ms;
+    let triangles = |frame: &FrameResult| frame.triangles as f64;
+    let missing = |frame: &FrameResult| frame.quality.missing_ppm;
+    let likeness = |frame: &FrameResult| frame.quality.ssim;
+    // A budget leaves out so much that nothing else could be read off the same axis.
+    let (budgeted, free): (Vec<_>, Vec<_>) = methods.iter().copied().partition(|method| method.is_budgeted());
+    let mut plots = vec![
+        plot("Frame time, ms", methods, wide(path, &time), &time),
+        plot("Triangles drawn", methods, wide(path, &triangles), &triangles),
     ];
+    for (methods, note) in [(free, ""), (budgeted, ", within the budget")] {
+        if !methods.is_empty() {
+            plots.push(plot(&format!("Missing pixels, ppm{note}"), &methods, Scale::FromZero, &missing));
+            plots.push(plot(&format!("SSIM, 1 is equal{note}"), &methods, Scale::UpTo(1.0), &likeness));
+        }
+    }
     let mut html = String::from("<div class=\"plots\">\n");
     for plot in plots {
-        let names: Vec<&str> = plot.series.iter().map(|series| series.name.as_str()).collect();
-        let _ = writeln!(html, "<div><!-- {} -->{}</div>", names.join(", "), plot.svg());
+        let _ = writeln!(html, "<div>{}</div>", plot.svg());
     }
     html + "</div>\n"
 }
+
+/// A logarithmic axis where a linear one would press some method flat.
+fn wide(path: &PathEvaluation, of: &dyn Fn(&FrameResult) -> f64) -> Scale {
+    let values = || path.frames.iter().map(of).filter(|value| *value > 0.0);
+    let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+    if most > least * MOST_LINEAR { Scale::Logarithmic } else { Scale::FromZero }
+}
+
+/// Largest over smallest value that a linear axis still shows.
+const MOST_LINEAR: f64 = 30.0;
 
 fn facts(evaluation: &Evaluation) -> String {
     let (machine, settings) = (&evaluation.machine, &evaluation.settings);
@@ -272,13 +280,13 @@ fn decibels(value: f64) -> String {
     if value >= MAX_PSNR { "equal".to_owned() } else { format!("{value:.1}") }
 }
 
-/// A whole number with thin spaces between thousands.
+/// A whole number with narrow no-break spaces between thousands.
 fn grouped(value: f64) -> String {
     let digits = (value.max(0.0).round() as u64).to_string();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {
         if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            text.push('\u{2009}');
+            text.push('\u{202f}');
         }
         text.push(digit);
     }

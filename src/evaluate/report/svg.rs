@@ -25,10 +25,26 @@ pub(super) struct Plot {
     /// What is plotted, with its unit.
     pub(super) title: String,
     pub(super) series: Vec<Series>,
-    /// The axis does not reach above this, whatever room it would like.
-    pub(super) ceiling: Option<f64>,
-    /// The axis begins at 0.
-    pub(super) from_zero: bool,
+    pub(super) scale: Scale,
+}
+
+/// The value axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Scale {
+    /// Linear, from 0.
+    FromZero,
+    /// Linear, from the least value up to this one.
+    UpTo(f64),
+    /// Powers of ten; values of 0 and below are left out.
+    Logarithmic,
+}
+
+/// A value axis with its ticks.
+struct Axis {
+    low: f64,
+    high: f64,
+    step: f64,
+    logarithmic: bool,
 }
 
 const WIDTH: f64 = 480.0;
@@ -39,30 +55,27 @@ const TOP: f64 = 30.0;
 const BOTTOM: f64 = 40.0;
 
 impl Plot {
-    /// The `<svg>` element with its legend below.
+    /// The `<svg>` element.
     pub(super) fn svg(&self) -> String {
         let frames = self.series.iter().map(|series| series.values.len()).max().unwrap_or(0);
-        let (low, high, step) = self.axis();
+        let axis = self.axis();
         let x = |frame: f64| LEFT + frame / (frames.saturating_sub(1).max(1) as f64) * (WIDTH - LEFT - RIGHT);
-        let y = |value: f64| HEIGHT - BOTTOM - (value - low) / (high - low) * (HEIGHT - TOP - BOTTOM);
-        let title = escape(&self.title);
+        let y = |value: f64| HEIGHT - BOTTOM - axis.share(value) * (HEIGHT - TOP - BOTTOM);
+        let title = escape(&self.title) + if axis.logarithmic { " (logarithmic)" } else { "" };
         let mut svg = format!(
             "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{title}\"><title>{title}</title>\n\
              <text class=\"t\" x=\"{LEFT}\" y=\"16\">{title}</text>\n"
         );
         let bottom = HEIGHT - BOTTOM;
-        let count = ((high - low) / step).round() as usize;
-        for i in 0..=count {
-            let value = low + step * i as f64;
+        for (value, label) in axis.ticks() {
             let at = y(value);
             let _ = writeln!(
                 svg,
                 "<line class=\"g\" x1=\"{LEFT}\" y1=\"{at:.1}\" x2=\"{:.1}\" y2=\"{at:.1}\"/>\
-                 <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                 <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
                 WIDTH - RIGHT,
                 LEFT - 6.0,
                 at + 4.0,
-                tick(value, step),
             );
         }
         let stride = nice((frames.max(2) - 1) as f64 / 6.0).max(1.0);
@@ -87,7 +100,7 @@ impl Plot {
             HEIGHT - 6.0,
         );
         for series in &self.series {
-            for line in series.values_in_runs() {
+            for line in series.values_in_runs(|value| axis.holds(value)) {
                 let points: Vec<String> =
                     line.iter().map(|&(at, value)| format!("{:.1},{:.1}", x(at as f64), y(value))).collect();
                 let dashes = series.look.dashes;
@@ -110,36 +123,72 @@ impl Plot {
         svg
     }
 
-    /// Lower end, upper end and step of the value axis.
-    fn axis(&self) -> (f64, f64, f64) {
-        let values = self.series.iter().flat_map(|series| &series.values).copied().filter(|v| v.is_finite());
+    fn axis(&self) -> Axis {
+        let logarithmic = self.scale == Scale::Logarithmic;
+        let values = self.series.iter().flat_map(|series| &series.values).copied();
+        let values = values.filter(|v| v.is_finite() && (!logarithmic || *v > 0.0));
         let (least, most) =
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-        if least > most {
-            return (0.0, 1.0, 0.25);
+        let linear = |low, high, step| Axis { low, high, step, logarithmic: false };
+        let (least, most) = match self.scale {
+            _ if least > most => return linear(0.0, 1.0, 0.25),
+            Scale::Logarithmic => {
+                let (low, high) = (least.log10().floor(), most.log10().ceil());
+                let high = high.max(low + 1.0);
+                let step = ((high - low) / 6.0).ceil();
+                return Axis { low: 10_f64.powf(low), high: 10_f64.powf(high), step, logarithmic };
+            }
+            Scale::FromZero => (least.min(0.0), most.max(0.0)),
+            // All the same and equal to the end: a thousandth is room enough to see that.
+            Scale::UpTo(end) => (least.min(end - 1e-3), most.max(end)),
+        };
+        if most - least <= most.abs() * 1e-9 {
+            return linear(0.0, 1.0, 0.25);
         }
-        let most = self.ceiling.unwrap_or(most).max(most);
-        let least = if self.from_zero { least.min(0.0) } else { least };
-        let span = most - least;
-        if span <= most.abs() * 1e-9 {
-            // All the same: at half the height, or at the ceiling.
-            let room = if self.ceiling == Some(most) { 1e-3 } else { most.abs().max(1.0) };
-            let step = room / 4.0;
-            return (most - 4.0 * step, most + if self.ceiling.is_some() { 0.0 } else { 4.0 * step }, step);
+        let step = nice((most - least) / 4.0);
+        let low = (least / step + 1e-9).floor() * step;
+        linear(low, low + ((most - low) / step - 1e-9).ceil().max(1.0) * step, step)
+    }
+}
+
+impl Axis {
+    /// Where a value is between the ends, 0 to 1.
+    fn share(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            (value / self.low).log10() / (self.high / self.low).log10()
+        } else {
+            (value - self.low) / (self.high - self.low)
         }
-        let step = nice(span / 4.0);
-        let low = (least / step).floor() * step;
-        let steps = ((most - low) / step - 1e-9).ceil().max(1.0);
-        (low, low + steps * step, step)
+    }
+
+    fn holds(&self, value: f64) -> bool {
+        value.is_finite() && (!self.logarithmic || value > 0.0)
+    }
+
+    fn ticks(&self) -> Vec<(f64, String)> {
+        if self.logarithmic {
+            let decades = (self.high / self.low).log10().round() as usize;
+            let value = |decade: usize| self.low * 10_f64.powf(decade as f64);
+            // Few decades leave room for lines between them.
+            let between: &[f64] = if decades <= 2 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+            let all = (0..=decades).step_by(self.step.max(1.0) as usize).flat_map(|decade| {
+                between.iter().map(move |m| value(decade) * m)
+            });
+            let all = all.filter(|value| *value <= self.high * (1.0 + 1e-9));
+            return all.map(|value| (value, tick(value, 10_f64.powf(value.log10().floor())))).collect();
+        }
+        let count = ((self.high - self.low) / self.step).round() as usize;
+        let value = |i: usize| self.low + self.step * i as f64;
+        (0..=count).map(|i| (value(i), tick(value(i), self.step))).collect()
     }
 }
 
 impl Series {
-    /// Stretches of finite values, with their frames.
-    fn values_in_runs(&self) -> Vec<Vec<(usize, f64)>> {
+    /// Stretches of values that can be drawn, with their frames.
+    fn values_in_runs(&self, can_be: impl Fn(f64) -> bool) -> Vec<Vec<(usize, f64)>> {
         let mut runs = vec![Vec::new()];
         for (frame, &value) in self.values.iter().enumerate() {
-            if value.is_finite() {
+            if can_be(value) {
                 if let Some(run) = runs.last_mut() {
                     run.push((frame, value));
                 }
@@ -204,19 +253,28 @@ mod tests {
     fn plot(values: Vec<f64>) -> Plot {
         let look = Look { color: "#000", dashes: "" };
         let series = vec![Series { name: "a".to_owned(), look, values }];
-        Plot { title: "b".to_owned(), series, ceiling: None, from_zero: true }
+        Plot { title: "b".to_owned(), series, scale: Scale::FromZero }
     }
 
     #[test]
     fn axes_are_round() {
-        assert_eq!(plot(vec![0.0, 97.0]).axis(), (0.0, 100.0, 25.0));
-        assert_eq!(plot(vec![3.1]).axis(), (0.0, 4.0, 1.0));
+        let ends = |plot: Plot| {
+            let axis = plot.axis();
+            (axis.low, axis.high, axis.ticks().into_iter().map(|tick| tick.1).collect::<Vec<_>>().join("|"))
+        };
+        assert_eq!(ends(plot(vec![0.0, 97.0])), (0.0, 100.0, "0|25|50|75|100".to_owned()));
+        assert_eq!(ends(plot(vec![3.1])), (0.0, 4.0, "0|1|2|3|4".to_owned()));
+        assert_eq!(ends(plot(vec![0.0, 0.0])), (0.0, 1.0, "0|0.25|0.5|0.75|1".to_owned()));
+        let logarithmic = |values| Plot { scale: Scale::Logarithmic, ..plot(values) };
+        let (low, high, ticks) = ends(logarithmic(vec![3.0, 0.0, 2.1e6]));
+        assert!((low, (high / 1e7).round()) == (1.0, 1.0) && ticks == "1|100|10 k|1 M", "{low} {high} {ticks}");
+        assert_eq!(ends(logarithmic(vec![3.0])), (1.0, 10.0, "1|2|5|10".to_owned()));
         assert_eq!([nice(0.3), nice(2.1), nice(1.0), nice(6.0)], [0.5, 2.5, 1.0, 10.0]);
         assert_eq!([tick(0.25, 0.25), tick(2.5e6, 5e5), tick(1500.0, 500.0)], ["0.25", "2.5 M", "1.5 k"]);
         assert_eq!([tick(0.9995, 5e-4), tick(1.0, 5e-4), tick(50.0, 50.0)], ["0.9995", "1", "50"]);
-        let likeness = Plot { ceiling: Some(1.0), from_zero: false, ..plot(vec![1.0, 1.0]) };
-        let (low, high, _) = likeness.axis();
-        assert!(low < 1.0 && high == 1.0, "{low} to {high}");
+        let likeness = Plot { scale: Scale::UpTo(1.0), ..plot(vec![1.0, 1.0]) };
+        let (low, high, _) = ends(likeness);
+        assert!((0.998..1.0).contains(&low) && (high - 1.0).abs() < 1e-9, "{low} to {high}");
     }
 
     #[test]
@@ -233,9 +291,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_values_can_be_plotted(values in prop::collection::vec(any::<f64>(), 0..40), from_zero: bool) {
+        fn any_values_can_be_plotted(values in prop::collection::vec(any::<f64>(), 0..40), scale in 0..3_usize) {
             let values = values.into_iter().map(|v| if v.abs() > 1e15 { f64::NAN } else { v }).collect();
-            let svg = Plot { from_zero, ..plot(values) }.svg();
+            let svg = Plot { scale: [Scale::FromZero, Scale::UpTo(1.0), Scale::Logarithmic][scale], ..plot(values) }.svg();
             prop_assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
             prop_assert!(svg.len() < 20_000);
         }
