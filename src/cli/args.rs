@@ -1,5 +1,6 @@
 //! The command line as typed. What the values mean together is checked in [`super::options`].
 
+use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use svs::generate::SampleKind;
@@ -18,6 +19,7 @@ Examples:
   svs build plant.glb -o plant.svs.glb      bake with standard quality
   svs info plant.svs.glb                    what the file holds
   svs verify plant.svs.glb                  what it is worth, on cameras the bake has not seen
+  svs render plant.svs.glb -o plant.png     a picture of it
   svs evaluate plant.svs.glb -o report      what it gains on camera paths: times and pictures
   svs help build                            all options of a command
 
@@ -51,7 +53,9 @@ pub(crate) enum Command {
     Validate(Validate),
     Verify(Verify),
     #[cfg(feature = "render")]
-    Evaluate(Evaluate),
+    Render(super::render::Render),
+    #[cfg(feature = "render")]
+    Evaluate(super::evaluate::Evaluate),
     Sample(Sample),
     Strip(Strip),
 }
@@ -145,101 +149,69 @@ pub(crate) struct Verify {
     pub(crate) seed: Option<u64>,
 }
 
-/// Measure what culling gains on camera paths, and what it costs in the picture: writes a report
-///
-/// Flies each path in fixed steps with each method, offscreen, on any GPU or a software driver, and writes report.html
-/// (plots, tables, worst frames), frames.csv (every frame) and summary.json.
-#[cfg(feature = "render")]
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Methods:
-  nothing       everything is drawn
-  frustum       hierarchical frustum culling: the reference of all pictures
-  visibility    spherical visibility
-  exact         what the reference's pixels show, at no cost of finding it
-  budget        visibility within --budget
-  first-misfit  the same budget by the published rule: stop at the first object that does not fit
-
-Examples:
-  svs evaluate plant.svs.glb -o report
-  svs evaluate plant.svs.glb --budget 10% -o report         budget and first-misfit come in addition
-  svs evaluate plant.svs.glb --path tour.json --methods frustum,visibility --passes 5 -o report
-  svs evaluate plant.svs.glb --size 640x360 --frames 12 --tour inside -o report --json")]
-pub(crate) struct Evaluate {
-    /// Scene to measure, baked or not
-    #[arg(value_name = "FILE")]
-    pub(crate) file: PathBuf,
-    /// Folder of the report; created if it is not there
-    #[arg(short, long, value_name = "FOLDER")]
-    pub(crate) output: PathBuf,
-    /// Recorded camera path; more than one may be given [default: generated ones]
-    #[arg(long, value_name = "FILE.json", conflicts_with = "tour")]
-    pub(crate) path: Vec<PathBuf>,
-    /// Generated paths to fly
-    #[arg(long, value_enum, value_name = "TOUR", default_value_t)]
-    pub(crate) tour: TourName,
-    /// Methods to compare, separated by commas [default: frustum,visibility,exact]
-    #[arg(long, value_name = "LIST")]
-    pub(crate) methods: Option<String>,
-    /// Quality of the visibility query, 0 to 1 [default: as the file recommends]
-    #[arg(long, value_name = "Q", value_parser = quality)]
-    pub(crate) quality: Option<f32>,
-    /// Most that a frame may draw: triangles (200000), a share of the triangles of visibility (10%), or time (8ms)
-    #[arg(long, value_name = "BUDGET")]
-    pub(crate) budget: Option<String>,
-    /// Frames of each path
-    #[arg(long, value_name = "N", default_value_t = 48)]
-    pub(crate) frames: usize,
-    /// How often each frame is timed with each method
-    #[arg(long, value_name = "N", default_value_t = 3)]
-    pub(crate) passes: usize,
-    /// Size of the pictures, pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
-    pub(crate) size: (u32, u32),
-}
-
-#[cfg(feature = "render")]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum TourName {
-    /// A round trip about the scene
-    Outside,
-    /// A walk through it
-    Inside,
-    /// One after the other
-    #[default]
-    Both,
-}
-
-#[cfg(feature = "render")]
-impl From<TourName> for svs::evaluate::Tour {
-    fn from(name: TourName) -> Self {
-        match name {
-            TourName::Outside => Self::Outside,
-            TourName::Inside => Self::Inside,
-            TourName::Both => Self::Both,
-        }
-    }
-}
-
 /// Write a generated sample scene; the same numbers give the same bytes
+///
+/// `grid` generates nothing but repeats a scene of yours: for large test scenes made of real parts. Its meshes are shared,
+/// so that the file stays small.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   svs sample plant -o plant.glb
-  svs sample city --scale 4 --seed 7 -o city.glb")]
+  svs sample city --scale 4 --seed 7 -o city.glb
+  svs sample grid --of engine.glb --copies 400 -o engines.glb")]
 pub(crate) struct Sample {
     /// What to generate
     #[arg(value_enum, value_name = "KIND")]
-    pub(crate) kind: SampleKind,
+    pub(crate) kind: SampleName,
     /// File to write: .glb or .gltf
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Size of the scene: about this many times the objects of the default
-    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
-    pub(crate) scale: f64,
-    /// Start of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 7)]
-    pub(crate) seed: u64,
+    /// Size of the scene: about this many times the objects of the default [default: 1]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub(crate) scale: Option<f64>,
+    /// Start of the random numbers [default: 7]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Scene that `grid` repeats: .glb or .gltf, without animations and skins
+    #[arg(long, value_name = "FILE", required_if_eq("kind", "grid"))]
+    pub(crate) of: Option<PathBuf>,
+    /// Copies in the grid, the scene itself counted [default: 100]
+    #[arg(long, value_name = "N", requires = "of")]
+    pub(crate) copies: Option<usize>,
+    /// Distance from copy to copy, in sizes of the scene: at 1 they touch [default: 1.1]
+    #[arg(long, value_name = "F", requires = "of")]
+    pub(crate) spacing: Option<f64>,
+}
+
+/// A sample scene that is generated, or a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SampleName {
+    Generated(SampleKind),
+    Grid,
+}
+
+impl ValueEnum for SampleName {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: [SampleName; SampleKind::ALL.len() + 1] = {
+            let mut all = [SampleName::Grid; SampleKind::ALL.len() + 1];
+            let mut place = 0;
+            while place < SampleKind::ALL.len() {
+                all[place] = SampleName::Generated(SampleKind::ALL[place]);
+                place += 1;
+            }
+            all
+        };
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        match self {
+            Self::Generated(kind) => kind.to_possible_value(),
+            Self::Grid => {
+                Some(PossibleValue::new("grid").help("Copies of a scene of yours, side by side (--of)"))
+            }
+        }
+    }
 }
 
 /// Remove the baked visibility: gives back the file as it was before `svs build`
@@ -288,26 +260,9 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// A share, 0 to 1.
-fn share(text: &str) -> Result<f64, String> {
+pub(crate) fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
         _ => Err("a share from 0 to 1 is needed, such as 0.05".to_owned()),
     }
-}
-
-/// A quality, 0 to 1.
-#[cfg(feature = "render")]
-fn quality(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
-        _ => Err("a number from 0 to 1 is needed".to_owned()),
-    }
-}
-
-/// Width and height: `1280x720`.
-#[cfg(feature = "render")]
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let sides =
-        text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
-    sides.ok_or_else(|| "a size such as 1280x720 is needed".to_owned())
 }

@@ -1,15 +1,90 @@
 //! `svs evaluate`: flies camera paths with each method and writes a report.
 
-use super::args::{Common, Evaluate};
+use super::args::Common;
 use super::error::Failure;
 use super::output::{count, number};
 use super::progress::Bars;
 use super::{file, interrupt, output};
-use std::path::Path;
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
 use svs::camera_path::CameraPath;
 use svs::evaluate::{
     EvaluateError, EvaluateOptions, Evaluation, EvaluationMethod, FrameBudget, MethodSummary, REPORT_FILES,
+    Tour,
 };
+
+/// Measure what culling gains on camera paths, and what it costs in the picture: writes a report
+///
+/// Flies each path in fixed steps with each method, offscreen, on any GPU or a software driver, and writes report.html
+/// (plots, tables, worst frames), frames.csv (every frame) and summary.json.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Methods:
+  nothing       everything is drawn
+  frustum       hierarchical frustum culling: the reference of all pictures
+  visibility    spherical visibility
+  exact         what the reference's pixels show, at no cost of finding it
+  budget        visibility within --budget
+  first-misfit  the same budget by the published rule: stop at the first object that does not fit
+
+Examples:
+  svs evaluate plant.svs.glb -o report
+  svs evaluate plant.svs.glb --budget 10% -o report         budget and first-misfit come in addition
+  svs evaluate plant.svs.glb --path tour.json --methods frustum,visibility --passes 5 -o report
+  svs evaluate plant.svs.glb --size 640x360 --frames 12 --tour inside -o report --json")]
+pub(crate) struct Evaluate {
+    /// Scene to measure, baked or not
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Folder of the report; created if it is not there
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(crate) output: PathBuf,
+    /// Recorded camera path; more than one may be given [default: generated ones]
+    #[arg(long, value_name = "FILE.json", conflicts_with = "tour")]
+    pub(crate) path: Vec<PathBuf>,
+    /// Generated paths to fly
+    #[arg(long, value_enum, value_name = "TOUR", default_value_t)]
+    pub(crate) tour: TourName,
+    /// Methods to compare, separated by commas [default: frustum,visibility,exact]
+    #[arg(long, value_name = "LIST")]
+    pub(crate) methods: Option<String>,
+    /// Quality of the visibility query, 0 to 1 [default: as the file recommends]
+    #[arg(long, value_name = "Q", value_parser = quality)]
+    pub(crate) quality: Option<f32>,
+    /// Most that a frame may draw: triangles (200000), a share of the triangles of visibility (10%), or time (8ms)
+    #[arg(long, value_name = "BUDGET")]
+    pub(crate) budget: Option<String>,
+    /// Frames of each path
+    #[arg(long, value_name = "N", default_value_t = 48)]
+    pub(crate) frames: usize,
+    /// How often each frame is timed with each method
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    pub(crate) passes: usize,
+    /// Size of the pictures, pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = super::render::size)]
+    pub(crate) size: (u32, u32),
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TourName {
+    /// A round trip about the scene
+    Outside,
+    /// A walk through it
+    Inside,
+    /// One after the other
+    #[default]
+    Both,
+}
+
+impl From<TourName> for Tour {
+    fn from(name: TourName) -> Self {
+        match name {
+            TourName::Outside => Self::Outside,
+            TourName::Inside => Self::Inside,
+            TourName::Both => Self::Both,
+        }
+    }
+}
 
 pub(crate) fn run(args: &Evaluate, common: &Common) -> Result<(), Failure> {
     let mut options = options(args)?;
@@ -144,4 +219,12 @@ fn table(methods: &[MethodSummary]) -> String {
         ]);
     }
     output::table(&rows)
+}
+
+/// A quality, 0 to 1.
+fn quality(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("a number from 0 to 1 is needed".to_owned()),
+    }
 }

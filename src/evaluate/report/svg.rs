@@ -171,9 +171,9 @@ impl Axis {
             let value = |decade: usize| self.low * 10_f64.powf(decade as f64);
             // Few decades leave room for lines between them.
             let between: &[f64] = if decades <= 2 { &[1.0, 2.0, 5.0] } else { &[1.0] };
-            let all = (0..=decades).step_by(self.step.max(1.0) as usize).flat_map(|decade| {
-                between.iter().map(move |m| value(decade) * m)
-            });
+            let all = (0..=decades)
+                .step_by(self.step.max(1.0) as usize)
+                .flat_map(|decade| between.iter().map(move |m| value(decade) * m));
             let all = all.filter(|value| *value <= self.high * (1.0 + 1e-9));
             return all.map(|value| (value, tick(value, 10_f64.powf(value.log10().floor())))).collect();
         }
@@ -267,7 +267,10 @@ mod tests {
         assert_eq!(ends(plot(vec![0.0, 0.0])), (0.0, 1.0, "0|0.25|0.5|0.75|1".to_owned()));
         let logarithmic = |values| Plot { scale: Scale::Logarithmic, ..plot(values) };
         let (low, high, ticks) = ends(logarithmic(vec![3.0, 0.0, 2.1e6]));
-        assert!((low, (high / 1e7).round()) == (1.0, 1.0) && ticks == "1|100|10 k|1 M", "{low} {high} {ticks}");
+        assert!(
+            (low, (high / 1e7).round()) == (1.0, 1.0) && ticks == "1|100|10 k|1 M",
+            "{low} {high} {ticks}"
+        );
         assert_eq!(ends(logarithmic(vec![3.0])), (1.0, 10.0, "1|2|5|10".to_owned()));
         assert_eq!([nice(0.3), nice(2.1), nice(1.0), nice(6.0)], [0.5, 2.5, 1.0, 10.0]);
         assert_eq!([tick(0.25, 0.25), tick(2.5e6, 5e5), tick(1500.0, 500.0)], ["0.25", "2.5 M", "1.5 k"]);
