@@ -54,6 +54,8 @@ impl Key {
             ("BLEND", class.mode == Mode::Blend),
             ("CUT", class.mode != Mode::Opaque),
             ("TINTED", self.tinted),
+            ("TINT_PER_PIXEL", self.tinted && class.textured != Textured::No),
+            ("MATERIAL_PER_PIXEL", class.textured != Textured::No && !class.unlit),
         ];
         conditions.into_iter().filter(|&(_, on)| on).map(|(name, _)| name).collect()
     }
