@@ -49,8 +49,8 @@ pub(crate) struct Evaluate {
     #[arg(long, value_name = "LIST")]
     pub(crate) methods: Option<String>,
     /// Quality of the visibility query, 0 to 1 [default: as the file recommends]
-    #[arg(long, value_name = "Q", value_parser = quality)]
-    pub(crate) quality: Option<f32>,
+    #[arg(long, value_name = "Q", value_parser = super::args::share)]
+    pub(crate) quality: Option<f64>,
     /// Most that a frame may draw: triangles (200000), a share of the triangles of visibility (10%), or time (8ms)
     #[arg(long, value_name = "BUDGET")]
     pub(crate) budget: Option<String>,
@@ -112,7 +112,7 @@ fn options(args: &Evaluate) -> Result<EvaluateOptions, Failure> {
     let usage = |error: svs::evaluate::OptionError| Failure::Usage(error.to_string());
     let mut options = EvaluateOptions {
         tour: args.tour.into(),
-        quality: args.quality,
+        quality: args.quality.map(|quality| quality as f32),
         budget: args.budget.as_deref().map(str::parse).transpose().map_err(usage)?,
         frames: args.frames,
         passes: args.passes,
@@ -219,12 +219,4 @@ fn table(methods: &[MethodSummary]) -> String {
         ]);
     }
     output::table(&rows)
-}
-
-/// A quality, 0 to 1.
-fn quality(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
-        _ => Err("a number from 0 to 1 is needed".to_owned()),
-    }
 }

@@ -12,13 +12,13 @@ use svs_render::{Image, View};
 const NAMED: usize = 5;
 
 /// The reference of one frame.
-struct Reference<'a> {
+struct Reference {
     view: View,
     frame: usize,
     /// What frustum culling draws, ascending.
     sorted: Vec<u32>,
     image: Image,
-    seen: Seen<'a>,
+    seen: Seen,
 }
 
 /// Compares all frames with all methods. `lists[method][frame]` is what the method has drawn, where it cannot be asked again.
@@ -36,8 +36,7 @@ pub(super) fn compare(
     for (frame, shot) in shots.iter().enumerate() {
         let sorted = sorted(bench.cullers.cull(shot, EvaluationMethod::Frustum));
         let image = bench.image(shot.view, &sorted)?;
-        let items = bench.items(shot.view, &sorted)?;
-        let seen = Seen::new(&items.nearest, &items.transparent);
+        let seen = Seen::new(bench.items(shot.view, &sorted)?);
         let reference = Reference { view: shot.view, frame, sorted, image, seen };
         for (place, &method) in methods.iter().enumerate() {
             let known = lists.get(place).and_then(|frames| frames.get(frame)).and_then(Option::as_deref);
@@ -60,7 +59,7 @@ pub(super) fn compare(
 
 fn one(
     bench: &mut Bench,
-    reference: &Reference<'_>,
+    reference: &Reference,
     method: EvaluationMethod,
     drawn: &[u32],
     worst: &mut Option<WorstFrame>,
@@ -100,7 +99,7 @@ fn is_worse(a: &QualityResult, b: &QualityResult) -> bool {
 }
 
 fn worst_frame(
-    reference: &Reference<'_>,
+    reference: &Reference,
     method: EvaluationMethod,
     compared: &Compared,
     quality: QualityResult,

@@ -4,7 +4,6 @@ use super::bench::{Bench, Shot};
 use super::error::EvaluateError;
 use super::flight::{Flight, flights};
 use super::machine::Machine;
-use super::metrics::Seen;
 use super::options::{EvaluateOptions, EvaluationMethod, FrameBudget};
 use super::quality;
 use super::result::{
@@ -13,6 +12,7 @@ use super::result::{
 use super::timing::{self, Timed};
 use crate::bake::Progress;
 use crate::gltf::Document;
+use crate::stage::visible_objects;
 
 /// Flies camera paths through the scene of `doc` with each method. `scene` is what the report calls it.
 ///
@@ -127,7 +127,7 @@ fn prepare(bench: &mut Bench, mut shot: Shot, options: &EvaluateOptions) -> Resu
     if options.methods.contains(&EvaluationMethod::Exact) {
         let reference = bench.cullers.cull(&shot, EvaluationMethod::Frustum).to_vec();
         let items = bench.items(shot.view, &reference)?;
-        shot.exact = Seen::new(&items.nearest, &items.transparent).objects;
+        shot.exact = visible_objects(&items);
     }
     shot.triangles = match options.budget {
         Some(FrameBudget::Triangles(most)) => Some(most),

@@ -1,34 +1,20 @@
 //! What a draw list misses of the reference's item buffer, and what it draws for nothing.
 
-/// Nothing is there.
-const NO_ITEM: u32 = u32::MAX;
+use crate::stage::visible_objects;
+use svs_render::ItemBuffer;
 
 /// The reference of one frame: which object each pixel shows.
 #[derive(Clone, Debug)]
-pub struct Seen<'a> {
-    nearest: &'a [u32],
-    transparent: &'a [u32],
+pub struct Seen {
+    items: ItemBuffer,
     /// Objects that at least one pixel shows, ascending.
     pub objects: Vec<u32>,
 }
 
-impl<'a> Seen<'a> {
-    /// Of the nearest opaque object and the nearest transparent one before it, per pixel; `u32::MAX` where there is none.
-    pub fn new(nearest: &'a [u32], transparent: &'a [u32]) -> Self {
-        let mut objects = Vec::new();
-        let mut last = [NO_ITEM; 2];
-        // Neighbouring pixels mostly show the same object.
-        for (place, layer) in [nearest, transparent].into_iter().enumerate() {
-            for &object in layer {
-                if object != last[place] && object != NO_ITEM {
-                    objects.push(object);
-                }
-                last[place] = object;
-            }
-        }
-        objects.sort_unstable();
-        objects.dedup();
-        Self { nearest, transparent, objects }
+impl Seen {
+    /// Of an item buffer: per pixel the nearest opaque object and the nearest transparent one before it.
+    pub fn new(items: ItemBuffer) -> Self {
+        Self { objects: visible_objects(&items), items }
     }
 
     /// Compares a draw list of objects, in any order, with what is seen.
@@ -43,7 +29,7 @@ impl<'a> Seen<'a> {
             return result;
         }
         let mut counts = vec![0_u32; missing.len()];
-        for (&nearest, &transparent) in self.nearest.iter().zip(self.transparent) {
+        for (&nearest, &transparent) in self.items.nearest.iter().zip(&self.items.transparent) {
             let hits = [nearest, transparent].map(|object| missing.binary_search(&object).ok());
             result.pixels += u64::from(hits.iter().any(Option::is_some));
             for place in hits.into_iter().flatten() {
@@ -58,7 +44,7 @@ impl<'a> Seen<'a> {
     /// Pixels that show one of these objects, which are ascending: one flag per pixel.
     pub fn mask(&self, objects: &[u32]) -> Vec<bool> {
         let holds = |object: &u32| objects.binary_search(object).is_ok();
-        self.nearest.iter().zip(self.transparent).map(|(a, b)| holds(a) || holds(b)).collect()
+        self.items.nearest.iter().zip(&self.items.transparent).map(|(a, b)| holds(a) || holds(b)).collect()
     }
 }
 

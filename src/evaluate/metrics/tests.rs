@@ -2,7 +2,7 @@
 
 use super::*;
 use proptest::prelude::*;
-use svs_render::Image;
+use svs_render::{Image, ItemBuffer};
 
 fn picture(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 3]) -> Image {
     let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -164,9 +164,15 @@ const NONE: u32 = u32::MAX;
 #[test]
 fn missing_and_overdrawn_objects_are_counted() {
     // Object 7 is glass before object 3 and before nothing.
+    let items = |nearest: &[u32], transparent: &[u32]| ItemBuffer {
+        width: nearest.len() as u32,
+        height: 1,
+        nearest: nearest.to_vec(),
+        transparent: transparent.to_vec(),
+    };
     let nearest = [3, 3, 5, NONE, 3, NONE];
     let transparent = [7, NONE, NONE, 7, NONE, NONE];
-    let seen = Seen::new(&nearest, &transparent);
+    let seen = Seen::new(items(&nearest, &transparent));
     assert_eq!(seen.objects, [3, 5, 7]);
     assert_eq!(seen.compare(&[7, 5, 3]), Compared::default());
     assert_eq!(seen.compare(&[9, 5, 7, 3, 1]), Compared { overdrawn: 2, ..Compared::default() });
@@ -175,7 +181,10 @@ fn missing_and_overdrawn_objects_are_counted() {
     assert_eq!(compared, Compared { missing: vec![(3, 3), (7, 2)], pixels: 4, overdrawn: 1 });
     assert_eq!(seen.compare(&[]).pixels, 5);
     assert_eq!(seen.mask(&[3, 7]), [true, true, false, true, true, false]);
-    assert_eq!(Seen::new(&[NONE], &[NONE]).compare(&[4]), Compared { overdrawn: 1, ..Compared::default() });
+    assert_eq!(
+        Seen::new(items(&[NONE], &[NONE])).compare(&[4]),
+        Compared { overdrawn: 1, ..Compared::default() }
+    );
 }
 
 /// Two pictures: noise of some strength over a gradient, an equal part at the top.
