@@ -100,6 +100,7 @@ impl Plot {
             HEIGHT - 6.0,
         );
         for series in &self.series {
+            let name = escape(&series.name);
             for line in series.values_in_runs(|value| axis.holds(value)) {
                 let points: Vec<String> =
                     line.iter().map(|&(at, value)| format!("{:.1},{:.1}", x(at as f64), y(value))).collect();
@@ -109,12 +110,12 @@ impl Plot {
                 let color = series.look.color;
                 if let [point] = points.as_slice() {
                     let (px, py) = point.split_once(',').unwrap_or_default();
-                    let _ = writeln!(svg, "<circle cx=\"{px}\" cy=\"{py}\" r=\"3\" fill=\"{color}\"/>");
+                    let _ = writeln!(svg, "<circle cx=\"{px}\" cy=\"{py}\" r=\"3\" fill=\"{color}\"><title>{name}</title></circle>");
                 } else {
                     let points = points.join(" ");
                     let _ = writeln!(
                         svg,
-                        "<polyline class=\"l\" stroke=\"{color}\"{dashes} points=\"{points}\"/>"
+                        "<polyline class=\"l\" stroke=\"{color}\"{dashes} points=\"{points}\"><title>{name}</title></polyline>"
                     );
                 }
             }
