@@ -43,7 +43,8 @@ fn tubes(parts: u32) -> SceneData {
         }
     }
     let object = |i: u32| {
-        let place = [i % side, i / side % side, i / side / side].map(|x| (f64::from(x) + 0.5) / f64::from(side) * 2.0 - 1.0);
+        let place = [i % side, i / side % side, i / side / side]
+            .map(|x| (f64::from(x) + 0.5) / f64::from(side) * 2.0 - 1.0);
         let size = DMat3::from_diagonal(DVec3::new(0.4, 1.0, 0.4) / f64::from(side));
         let turn = DMat3::from_rotation_z(f64::from(i));
         Object { mesh: i, to_world: DAffine3 { matrix3: turn * size, translation: DVec3::from(place) } }

@@ -40,6 +40,18 @@ struct Blended {
     draw: Draw,
 }
 
+/// Runs of neighbours are cut at this many indices, so that near ones can be drawn before far ones: what is hidden then
+/// costs no shading. Few enough calls even for 100 million triangles.
+const RUN_INDICES: u32 = 3 << 14;
+
+/// Buckets of distance: four per doubling of the squared distance.
+const BUCKETS: usize = 1 << 11;
+
+/// The bucket of a squared distance; NaN comes last.
+fn bucket(squared: f64) -> usize {
+    (squared as f32).abs().to_bits() as usize >> 21
+}
+
 /// Lists of the frame, kept between frames: no allocation once they have grown.
 #[derive(Debug, Default)]
 pub(crate) struct Batcher {
@@ -55,6 +67,12 @@ pub(crate) struct Batcher {
     /// Per group: first row, and the row after the last one.
     starts: Vec<u32>,
     ends: Vec<u32>,
+    /// Visible instances with their buckets, and their ids from near to far.
+    found: Vec<(u32, u16)>,
+    near_first: Vec<u32>,
+    buckets: Vec<u32>,
+    /// Opaque and masked draw calls by class, then from near to far.
+    opaque: Vec<(u64, Draw)>,
     sorted: Vec<Blended>,
 }
 
@@ -96,14 +114,19 @@ impl Batcher {
     /// Plans the frame. Objects out of range are not drawn, repeated ones once; the order of `objects` does not matter.
     pub(crate) fn plan(&mut self, layout: &Layout, objects: &[u32], eye: DVec3) {
         self.draws.clear();
+        self.opaque.clear();
         self.sorted.clear();
         self.statistics = DrawStatistics::default();
         self.mark(layout, objects);
+        self.sort_instances(layout, eye);
         self.fill_rows(layout, eye);
         self.merged(layout, eye);
         self.instanced(layout, eye);
+        // The sequence number makes keys differ: one frame is always drawn the same way.
+        self.opaque.sort_unstable_by_key(|&(key, _)| key);
+        self.draws.extend(self.opaque.iter().map(|&(_, draw)| draw));
         self.blended = self.draws.len();
-        // From far to near; ties by index, so that one frame is always drawn the same way.
+        // From far to near.
         self.sorted.sort_unstable_by(|a, b| {
             b.distance.total_cmp(&a.distance).then((a.object, a.position).cmp(&(b.object, b.position)))
         });
@@ -143,7 +166,7 @@ impl Batcher {
         }
     }
 
-    /// A counting sort of the visible instances by group, in the order of their ids.
+    /// A counting sort of the visible instances by group, near ones first.
     fn fill_rows(&mut self, layout: &Layout, eye: DVec3) {
         self.starts.clear();
         let mut next = layout.clusters.len() as u32;
@@ -158,22 +181,53 @@ impl Batcher {
             let place = (origin - eye).as_vec3().to_array();
             *row = Row { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], place], object: 0 };
         }
+        for &object in &self.near_first {
+            let place = &layout.places[object as usize];
+            let [x, y, z] = place.columns;
+            let origin = (place.origin - eye).as_vec3().to_array();
+            let end = &mut self.ends[layout.group_of[object as usize] as usize];
+            self.rows[*end as usize] = Row { columns: [x, y, z, origin], object };
+            *end += 1;
+        }
+    }
+
+    /// Visible instances from near to far, by a counting sort; those of one bucket in the order of their ids.
+    fn sort_instances(&mut self, layout: &Layout, eye: DVec3) {
+        self.found.clear();
+        self.buckets.clear();
+        self.buckets.resize(BUCKETS, 0);
         for (word, &bits) in self.objects.iter().enumerate() {
             let mut rest = bits;
             while rest != 0 {
                 let object = word * 64 + rest.trailing_zeros() as usize;
                 rest &= rest - 1;
-                let group = layout.group_of[object];
-                if group != NONE {
-                    let place = &layout.places[object];
-                    let [x, y, z] = place.columns;
-                    let origin = (place.origin - eye).as_vec3().to_array();
-                    let end = &mut self.ends[group as usize];
-                    self.rows[*end as usize] = Row { columns: [x, y, z, origin], object: object as u32 };
-                    *end += 1;
+                if layout.group_of[object] != NONE {
+                    let bucket = bucket(layout.centers[object].distance_squared(eye));
+                    self.buckets[bucket] += 1;
+                    self.found.push((object as u32, bucket as u16));
                 }
             }
         }
+        let mut next = 0;
+        for count in &mut self.buckets {
+            next += std::mem::replace(count, next);
+        }
+        self.near_first.resize(self.found.len(), 0);
+        for &(object, bucket) in &self.found {
+            let slot = &mut self.buckets[bucket as usize];
+            self.near_first[*slot as usize] = object;
+            *slot += 1;
+        }
+    }
+
+    /// Adds an opaque or masked draw call whose nearest object is `object`, or about so.
+    fn push_opaque(&mut self, layout: &Layout, eye: DVec3, object: u32, draw: Draw) {
+        let near = bucket(layout.centers[object as usize].distance_squared(eye)) as u64;
+        let key = u64::from(draw.class) << 44
+            | u64::from(draw.mirrored) << 43
+            | near << 32
+            | self.opaque.len() as u64;
+        self.opaque.push((key, draw));
     }
 
     fn merged(&mut self, layout: &Layout, eye: DVec3) {
@@ -194,13 +248,25 @@ impl Batcher {
                     }
                 };
                 if !layout.is_blended(segment.class) {
-                    self.draws.push(draw(first, end));
+                    let mut first = first;
+                    while first < end {
+                        let parts = &layout.parts[first as usize..end as usize];
+                        let most = parts[0].first_index + RUN_INDICES;
+                        let count = parts.partition_point(|part| part.first_index < most) as u32;
+                        self.push_opaque(layout, eye, parts[0].object, draw(first, first + count));
+                        first += count;
+                    }
                     continue;
                 }
                 for part in first..end {
                     let object = layout.parts[part as usize].object;
                     let distance = layout.centers[object as usize].distance_squared(eye);
-                    self.sorted.push(Blended { distance, object, position: part, draw: draw(part, part + 1) });
+                    self.sorted.push(Blended {
+                        distance,
+                        object,
+                        position: part,
+                        draw: draw(part, part + 1),
+                    });
                 }
             }
         }
@@ -222,7 +288,8 @@ impl Batcher {
                 index_count: piece.index_count,
             };
             if !layout.is_blended(piece.class) {
-                self.draws.push(draw);
+                let nearest = self.rows[row as usize].object;
+                self.push_opaque(layout, eye, nearest, draw);
                 continue;
             }
             draw.instances = 1;
@@ -242,3 +309,7 @@ fn follows(last: &Draw, next: &Draw) -> bool {
         == (next.class, next.mirrored, next.chunk, next.row, next.instances)
         && last.first_index + last.index_count == next.first_index
 }
+
+#[cfg(test)]
+#[path = "batch_tests.rs"]
+mod tests;

@@ -54,8 +54,11 @@ impl GpuScene {
         }
         let most = limits.max_buffer_size;
         let capacity = Capacity {
-            vertices: Capacity::DEFAULT.vertices.min((most / size_of::<Vertex>() as u64).try_into().unwrap_or(u32::MAX)),
+            vertices: Capacity::DEFAULT
+                .vertices
+                .min((most / size_of::<Vertex>() as u64).try_into().unwrap_or(u32::MAX)),
             indices: Capacity::DEFAULT.indices.min((most / 4).try_into().unwrap_or(u32::MAX)),
+            ..Capacity::DEFAULT
         };
         let row_bytes = data.objects.len() as u64 * size_of::<crate::vertex::Row>() as u64;
         if row_bytes > most {
@@ -122,7 +125,10 @@ impl Tints {
         let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("tints"),
             layout: &layouts.tints,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) }],
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(&view),
+            }],
         });
         Self { texture, bind_group, on: false }
     }
@@ -143,10 +149,15 @@ fn upload_chunks(gpu: &Gpu, data: &SceneData, layout: &Layout) -> Result<(Vec<Ch
             bytes += content.len() as u64;
             filled_buffer(gpu, label, usage, content)
         };
-        let vertices = buffer("vertices", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&geometry.vertices))?;
+        let vertices =
+            buffer("vertices", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&geometry.vertices))?;
         let indices = buffer("indices", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&geometry.indices))?;
         let uvs = if textured {
-            Some(buffer("texture coordinates", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&geometry.uvs))?)
+            Some(buffer(
+                "texture coordinates",
+                wgpu::BufferUsages::VERTEX,
+                bytemuck::cast_slice(&geometry.uvs),
+            )?)
         } else {
             None
         };
@@ -171,6 +182,9 @@ fn filled_buffer(
     });
     gpu.queue.write_buffer(&buffer, 0, content);
     gpu.queue.submit([]);
-    gpu.device.poll(wgpu::PollType::Poll).map_err(|error| RenderError::Lost(error.to_string()))?;
+    // Returns at once in browsers.
+    gpu.device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .map_err(|error| RenderError::Lost(error.to_string()))?;
     Ok(buffer)
 }
