@@ -110,7 +110,10 @@ impl Plot {
                 let color = series.look.color;
                 if let [point] = points.as_slice() {
                     let (px, py) = point.split_once(',').unwrap_or_default();
-                    let _ = writeln!(svg, "<circle cx=\"{px}\" cy=\"{py}\" r=\"3\" fill=\"{color}\"><title>{name}</title></circle>");
+                    let _ = writeln!(
+                        svg,
+                        "<circle cx=\"{px}\" cy=\"{py}\" r=\"3\" fill=\"{color}\"><title>{name}</title></circle>"
+                    );
                 } else {
                     let points = points.join(" ");
                     let _ = writeln!(
