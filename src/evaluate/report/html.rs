@@ -49,9 +49,9 @@ fn findings(evaluation: &Evaluation) -> String {
     let mut html = String::from("<ul>\n");
     for path in &evaluation.paths {
         for method in &path.methods {
-            let Some(speedup) = method.speedup_over_frustum.filter(|_| method.method != "frustum") else {
-                continue;
-            };
+            // What exact would gain is in the tables: it is no method that one could use.
+            let is_usable = !["frustum", "exact"].contains(&method.method.as_str());
+            let Some(speedup) = method.speedup_over_frustum.filter(|_| is_usable) else { continue };
             let share = path.methods.iter().find(|m| m.method == "frustum").map(|frustum| {
                 let share = method.triangles.median / frustum.triangles.median.max(1.0) * 100.0;
                 format!(" and {} % of the triangles", three(share))

@@ -25,8 +25,8 @@ h3{font-size:1rem;margin:1.2rem 0 .3rem}
 p{margin:.4rem 0;max-width:48rem}
 .note{background:#fff6e0;border-left:4px solid #e69f00;padding:.4rem .7rem}
 .wide{overflow-x:auto}
-table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-nums}
-th,td{padding:.2rem .55rem;text-align:right;border-bottom:1px solid #ddd;white-space:nowrap}
+table{border-collapse:collapse;font-size:.8rem;font-variant-numeric:tabular-nums}
+th,td{padding:.2rem .42rem;text-align:right;border-bottom:1px solid #ddd;white-space:nowrap}
 th:first-child,td:first-child{text-align:left}
 thead th{border-bottom:2px solid #666;vertical-align:bottom}
 table.facts th,table.facts td{text-align:left;white-space:normal;vertical-align:top}

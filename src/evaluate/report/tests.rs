@@ -1,6 +1,5 @@
 //! The report of a made-up evaluation.
 
-use super::*;
 use crate::evaluate::machine::Machine;
 use crate::evaluate::options::{EvaluateOptions, EvaluationMethod};
 use crate::evaluate::result::*;
