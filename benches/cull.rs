@@ -1,5 +1,8 @@
 //! Time per frame on the generated plant, of the largest tree alone: outside and inside, for each query and for the
-//! frustum alone.
+//! frustum alone; then for a budget of a tenth of the triangles, and for a million objects.
+
+#[path = "cull/grid.rs"]
+mod grid;
 
 use divan::Bencher;
 use glam::DVec3;
@@ -12,7 +15,7 @@ use svs::generate::{SampleKind, SampleOptions, generate};
 use svs::gltf::{Document, DocumentTables};
 use svs::scene::{ReadOptions, read_scene};
 use svs_runtime::format::Extension;
-use svs_runtime::{Bounds, Camera, Culler, Settings, Tree, Visibility};
+use svs_runtime::{Bounds, Budget, Camera, Culler, SceneCuller, Settings, Tree, Visibility};
 
 /// Frames of one run round the scene or through it; a sample is the mean over all.
 const FRAMES: usize = 64;
@@ -21,10 +24,11 @@ fn main() {
     divan::main();
 }
 
-/// A baked plant: its largest tree and the boxes of the objects in it.
+/// A baked plant: its largest tree, and the boxes and triangle counts of the objects in it.
 struct Plant {
     tree: Arc<Tree>,
     bounds: Vec<Bounds>,
+    triangles: Vec<u32>,
 }
 
 impl Plant {
@@ -48,12 +52,13 @@ impl Plant {
         let scene = read_scene(&doc, &ReadOptions::default()).expect("a readable scene");
         let pairs = visibility.trees().iter().zip(subjects(&scene));
         let (tree, subject) = pairs.max_by_key(|(tree, _)| tree.object_count()).expect("a plant has a tree");
-        let bounds = (0..tree.object_count()).map(|place| {
-            // Every object of the plant is static and opaque, so members are counted as the document counts.
-            let bounds = subject.members[tree.document_index(place) as usize].bounds;
-            Bounds { min: bounds.min.as_vec3(), max: bounds.max.as_vec3() }
-        });
-        Self { tree: Arc::clone(tree), bounds: bounds.collect() }
+        // Every object of the plant is static and opaque, so members are counted as the document counts.
+        let members = (0..tree.object_count()).map(|k| &subject.members[tree.document_index(k) as usize]);
+        let bounds = members
+            .clone()
+            .map(|member| Bounds { min: member.bounds.min.as_vec3(), max: member.bounds.max.as_vec3() });
+        let triangles = members.clone().map(|member| member.triangles);
+        Self { tree: Arc::clone(tree), bounds: bounds.collect(), triangles: triangles.collect() }
     }
 
     /// The plant with about that many objects; baked once.
@@ -67,37 +72,34 @@ impl Plant {
         });
         Arc::clone(plant)
     }
+}
 
-    /// Cameras on a circle: 1.5 radii from the middle, or at a tenth of the size and at eye height.
-    fn cameras(&self, outside: bool) -> Vec<Camera> {
-        let min = self.bounds.iter().fold(DVec3::INFINITY, |min, b| min.min(b.min.as_dvec3()));
-        let max = self.bounds.iter().fold(DVec3::NEG_INFINITY, |max, b| max.max(b.max.as_dvec3()));
-        let (middle, radius) = ((min + max) * 0.5, (max - min).length() * 0.5);
-        let camera = |frame: usize| {
-            let (sine, cosine) = (frame as f64 / FRAMES as f64 * std::f64::consts::TAU).sin_cos();
-            let (eye, target) = if outside {
-                (middle + DVec3::new(cosine, 0.4, sine).normalize() * radius * 1.5, middle)
-            } else {
-                let eye = DVec3::new(middle.x, min.y + 1.7, middle.z)
-                    + DVec3::new(cosine, 0.0, sine) * radius * 0.2;
-                (eye, eye + DVec3::new(-sine, -0.1, cosine))
-            };
-            let view = glam::dcamera::rh::view::look_at_mat4(eye, target, DVec3::Y);
-            Camera::perspective(view, 60_f64.to_radians(), 1280.0, 720.0, 0.1)
+/// Cameras on a circle round the boxes: 1.5 radii from the middle, or at a fifth of the size and at eye height.
+fn cameras(bounds: &[Bounds], outside: bool) -> Vec<Camera> {
+    let min = bounds.iter().fold(DVec3::INFINITY, |min, b| min.min(b.min.as_dvec3()));
+    let max = bounds.iter().fold(DVec3::NEG_INFINITY, |max, b| max.max(b.max.as_dvec3()));
+    let (middle, radius) = ((min + max) * 0.5, (max - min).length() * 0.5);
+    let camera = |frame: usize| {
+        let (sine, cosine) = (frame as f64 / FRAMES as f64 * std::f64::consts::TAU).sin_cos();
+        let (eye, target) = if outside {
+            (middle + DVec3::new(cosine, 0.4, sine).normalize() * radius * 1.5, middle)
+        } else {
+            let eye =
+                DVec3::new(middle.x, min.y + 1.7, middle.z) + DVec3::new(cosine, 0.0, sine) * radius * 0.2;
+            (eye, eye + DVec3::new(-sine, -0.1, cosine))
         };
-        (0..FRAMES).map(camera).collect()
-    }
+        let view = glam::dcamera::rh::view::look_at_mat4(eye, target, DVec3::Y);
+        Camera::perspective(view, 60_f64.to_radians(), 1280.0, 720.0, 0.1)
+    };
+    (0..FRAMES).map(camera).collect()
 }
 
 /// Measured; the number of objects grows linearly with the scale.
 const OBJECTS_AT_SCALE_1: f64 = 4_200.0;
 
-/// Spheres that nothing is far enough from: what is left is the frustum.
-const FRUSTUM: Settings = Settings { max_half_angle: 0.0, ..Settings::NEAREST_O };
-
 fn frames(bencher: Bencher, objects: usize, outside: bool, settings: Settings) {
     let plant = Plant::with(objects);
-    let cameras = plant.cameras(outside);
+    let cameras = cameras(&plant.bounds, outside);
     let mut culler = Culler::new(&plant.tree, &plant.bounds).expect("a box for each object");
     let mut frame = 0;
     bencher.bench_local(|| {
@@ -128,7 +130,7 @@ macro_rules! queries {
 
             #[divan::bench(args = [10_000, 100_000])]
             fn frustum(bencher: Bencher, objects: usize) {
-                frames(bencher, objects, $outside, FRUSTUM);
+                frames(bencher, objects, $outside, Settings::FRUSTUM);
             }
         }
     };
@@ -136,3 +138,65 @@ macro_rules! queries {
 
 queries!(outside, true);
 queries!(inside, false);
+
+/// Choosing a tenth of the triangles that culling answers in the mean, culling included.
+#[divan::bench(args = ["nearest_o", "frustum"])]
+fn budget_of_a_tenth(bencher: Bencher, query: &str) {
+    let settings = if query == "frustum" { Settings::FRUSTUM } else { Settings::NEAREST_O };
+    let plant = Plant::with(100_000);
+    let trees = vec![grid::rebuilt(&plant.tree, svs_runtime::Placement::Scene(0))];
+    let visibility = Visibility::new(trees).expect("a valid tree");
+    let mut culler = SceneCuller::new(&visibility, &[&plant.bounds]).expect("a box for each object");
+    culler.set_triangles(0, &plant.triangles).expect("a count for each object");
+    let cameras = cameras(&plant.bounds, true);
+    let mut sum = 0;
+    for camera in &cameras {
+        culler.cull(camera, &settings);
+        sum += culler.selection().chosen_triangles;
+    }
+    scene_frames(bencher, culler, &cameras, settings, Budget::Triangles(sum / FRAMES as u64 / 10));
+}
+
+fn scene_frames(
+    bencher: Bencher,
+    mut culler: SceneCuller,
+    cameras: &[Camera],
+    settings: Settings,
+    budget: Budget<'_>,
+) {
+    let mut frame = 0;
+    bencher.bench_local(|| {
+        frame = (frame + 1) % cameras.len();
+        culler.cull_within(&cameras[frame], &settings, &budget).len()
+    });
+}
+
+/// A hundred plants of 10,000 objects, see [`grid`].
+mod million {
+    use super::*;
+
+    fn frames(bencher: Bencher, outside: bool, settings: Settings) {
+        let (culler, cells) = grid::culler(&Plant::with(10_000));
+        scene_frames(bencher, culler, &cameras(&cells, outside), settings, Budget::Unlimited);
+    }
+
+    #[divan::bench]
+    fn outside_nearest_o(bencher: Bencher) {
+        frames(bencher, true, Settings::NEAREST_O);
+    }
+
+    #[divan::bench]
+    fn outside_frustum(bencher: Bencher) {
+        frames(bencher, true, Settings::FRUSTUM);
+    }
+
+    #[divan::bench]
+    fn inside_nearest_o(bencher: Bencher) {
+        frames(bencher, false, Settings::NEAREST_O);
+    }
+
+    #[divan::bench]
+    fn inside_frustum(bencher: Bencher) {
+        frames(bencher, false, Settings::FRUSTUM);
+    }
+}

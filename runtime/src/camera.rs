@@ -15,14 +15,6 @@ pub struct Camera {
     image_area: f64,
 }
 
-/// How a box lies to the frustum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Containment {
-    Outside,
-    Intersects,
-    Inside,
-}
-
 const NO_PLANE: DVec4 = DVec4::W;
 
 impl Camera {
@@ -104,35 +96,24 @@ impl Camera {
     /// frustum.
     pub fn sees(&self, bounds: &Bounds) -> bool {
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        !self.planes.iter().any(|plane| farthest(plane, min, max) < 0.0)
+        !self.planes.iter().any(|plane| Self::farthest(plane, min, max) < 0.0)
     }
 
-    /// As [`Self::sees`], and whether every plane has the whole box on its inner side.
-    pub(crate) fn contains(&self, bounds: &Bounds) -> Containment {
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let mut result = Containment::Inside;
-        for plane in &self.planes {
-            if farthest(plane, min, max) < 0.0 {
-                return Containment::Outside;
-            }
-            if farthest(plane, max, min) < 0.0 {
-                result = Containment::Intersects;
-            }
-        }
-        result
+    pub(crate) fn planes(&self) -> &[DVec4; 6] {
+        &self.planes
     }
-}
 
-/// Signed distance of the box corner farthest along the plane's normal; with the corners swapped, of the nearest.
-///
-/// Rounding is monotone in each coordinate, so a box inside another one never lies farther out than it does.
-#[inline]
-fn farthest(plane: &DVec4, min: DVec3, max: DVec3) -> f64 {
-    let pick = |normal: f64, min: f64, max: f64| if normal >= 0.0 { max } else { min };
-    plane.x * pick(plane.x, min.x, max.x)
-        + plane.y * pick(plane.y, min.y, max.y)
-        + plane.z * pick(plane.z, min.z, max.z)
-        + plane.w
+    /// Signed distance of the box corner farthest along the plane's normal; with the corners swapped, of the nearest.
+    ///
+    /// Rounding is monotone in each coordinate, so a box inside another one never lies farther out than it does.
+    #[inline]
+    pub(crate) fn farthest(plane: &DVec4, min: DVec3, max: DVec3) -> f64 {
+        let pick = |normal: f64, min: f64, max: f64| if normal >= 0.0 { max } else { min };
+        plane.x * pick(plane.x, min.x, max.x)
+            + plane.y * pick(plane.y, min.y, max.y)
+            + plane.z * pick(plane.z, min.z, max.z)
+            + plane.w
+    }
 }
 
 /// Scales to a unit normal; a plane without a usable normal (the far plane of an infinite projection) bounds nothing.
@@ -179,8 +160,6 @@ mod tests {
         assert!(at(10.0, 9.9, 0.0) && !at(10.0, 10.1, 0.0) && !at(10.0, -10.1, 0.0));
         assert!(at(10.0, 0.0, 19.9) && !at(10.0, 0.0, 20.1) && !at(10.0, 0.0, -20.1));
         assert!(!at(-1.0, 0.0, 0.0) && !at(0.05, 0.0, 0.0));
-        assert_eq!(camera.contains(&cube(Vec3::new(11.0, 2.0, 3.0), 1.0)), Containment::Inside);
-        assert_eq!(camera.contains(&cube(Vec3::new(11.0, 12.0, 3.0), 1.0)), Containment::Intersects);
     }
 
     #[test]

@@ -1,9 +1,11 @@
 //! Culls one tree at one place.
 
 use crate::bounds::{Bounds, BoundsError};
+use crate::boxes::{Boxes, innermost, parents};
 use crate::camera::Camera;
+use crate::hits::{Hit, Hits};
 use crate::query::Settings;
-use crate::traverse::{Boxes, CullStatistics, Hidden, Hit, Hits, Pass, innermost, parents};
+use crate::traverse::{CullStatistics, Hidden, Pass};
 use crate::tree::Tree;
 use std::sync::Arc;
 

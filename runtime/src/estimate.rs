@@ -3,7 +3,7 @@
 use crate::bounds::Bounds;
 use crate::camera::Camera;
 use crate::cull::Instance;
-use crate::traverse::Measured;
+use crate::hits::Measured;
 
 /// Estimated visible pixels of an object of a tree, at most those of the image.
 ///

@@ -1,11 +1,12 @@
 //! Why an object is drawn or not, and which spheres answer.
 
-use crate::camera::{Camera, Containment};
+use crate::ask::Thresholds;
+use crate::camera::Camera;
 use crate::cull::Instance;
 use crate::estimate::{is_around, visible_pixels};
+use crate::hits::{Hits, Measured};
 use crate::query::Settings;
 use crate::scene::{Draw, LOOSE, Placed, SceneCuller, walk};
-use crate::traverse::{Hits, Measured, Thresholds};
 use glam::DVec3;
 
 /// Why culling draws an object or not, before any budget. Whether a budget then left it out shows in what
@@ -212,8 +213,7 @@ impl Instance {
         std::iter::from_fn(move || {
             while let Some(node) = nodes.get(index) {
                 let at = index;
-                let outside =
-                    || settings.frustum && camera.contains(&self.boxes.nodes[at]) == Containment::Outside;
+                let outside = || settings.frustum && !camera.sees(&self.boxes.nodes[at]);
                 if node.object_count == 0 || outside() {
                     index += node.subtree as usize;
                 } else if pass.is_usable(at, node, max_sine) {

@@ -1,7 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod ask;
 mod bounds;
+mod boxes;
 mod budget;
 mod camera;
 mod cost;
@@ -13,6 +15,8 @@ mod error;
 mod estimate;
 mod explain;
 pub mod format;
+mod frustum;
+mod hits;
 mod loose;
 mod query;
 mod scene;

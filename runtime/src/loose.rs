@@ -1,7 +1,8 @@
 //! Objects in no tree: frustum culling over a hierarchy of boxes, built once.
 
 use crate::bounds::{Bounds, BoundsError};
-use crate::camera::{Camera, Containment};
+use crate::camera::Camera;
+use crate::frustum::Frustum;
 use glam::Vec3;
 
 /// Boxes of loose objects in a binary hierarchy, in depth-first order with skip pointers.
@@ -58,33 +59,24 @@ impl Loose {
     /// Hands the places of the objects in the frustum to `draw`, ascending; returns how many objects were looked at.
     pub(crate) fn cull(&self, camera: &Camera, frustum: bool, mut draw: impl FnMut(u32)) -> usize {
         let mut tested = 0;
-        let mut inside_end = if frustum { 0 } else { u32::MAX };
+        let mut frustum = Frustum::new(camera, frustum);
         let mut index = 0;
         while let Some(node) = self.nodes.get(index) {
             let end = node.first + node.count;
-            if end > inside_end {
-                match camera.contains(&node.bounds) {
-                    Containment::Outside => {
-                        index += node.subtree as usize;
-                        continue;
-                    }
-                    Containment::Inside => inside_end = end,
-                    Containment::Intersects => {}
-                }
-            }
-            let inside = end <= inside_end;
-            if !inside && node.subtree > 1 {
+            if !frustum.enter(&node.bounds, end) {
+                index += node.subtree as usize;
+            } else if node.subtree > 1 && !frustum.is_inside(end) {
                 index += 1;
-                continue;
-            }
-            tested += node.count as usize;
-            for place in node.first..end {
-                let at = place as usize;
-                if !self.hidden[at] && (inside || camera.sees(&self.bounds[at])) {
-                    draw(place);
+            } else {
+                tested += node.count as usize;
+                for place in node.first..end {
+                    let at = place as usize;
+                    if !self.hidden[at] && frustum.sees(&self.bounds[at], place) {
+                        draw(place);
+                    }
                 }
+                index += node.subtree as usize;
             }
-            index += node.subtree as usize;
         }
         tested
     }

@@ -4,9 +4,10 @@ use crate::bounds::{Bounds, BoundsError};
 use crate::camera::Camera;
 use crate::cull::{Instance, shared_boxes};
 use crate::decode::Visibility;
+use crate::hits::{Hit, Hits};
 use crate::loose::Loose;
 use crate::query::Settings;
-use crate::traverse::{CullStatistics, Hit, Hits};
+use crate::traverse::CullStatistics;
 use crate::within::Within;
 use glam::DAffine3;
 

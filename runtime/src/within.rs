@@ -4,11 +4,11 @@ use crate::bounds::{Bounds, BoundsError};
 use crate::budget::{Budget, Capacity, Selection};
 use crate::camera::Camera;
 use crate::estimate::{pixels, visible_pixels};
+use crate::hits::{Hits, Measured};
 use crate::loose::Loose;
 use crate::query::Settings;
 use crate::scene::{Draw, LOOSE, Placed, SceneCuller, walk};
 use crate::select::Selector;
-use crate::traverse::{Hits, Measured};
 
 /// State of culling within a budget.
 #[derive(Debug)]

@@ -53,6 +53,9 @@ pub const DIRECTION_SETS: [&str; 20] = [
     "icosahedron-5",
 ];
 
+/// How far inside its triangle a centre must be: far above rounding.
+const ACUTE: f64 = 1e-6;
+
 /// Each set is generated once per process, when it is first asked for.
 static SETS: [OnceLock<DirectionSet>; 20] = [const { OnceLock::new() }; 20];
 
@@ -62,6 +65,9 @@ pub struct DirectionSet {
     name: &'static str,
     mesh: Mesh,
     rings: Vec<Vec<u16>>,
+    /// Per direction, the unit normals of the planes between its bin and those of its neighbours, pointing inwards.
+    walls: Vec<Vec<DVec3>>,
+    acute: bool,
     lookup: Lookup,
 }
 
@@ -100,7 +106,17 @@ impl DirectionSet {
         }
         rings.iter_mut().for_each(|ring| ring.sort_unstable());
         let lookup = Lookup::new(&mesh, &rings);
-        Self { name, mesh, rings, lookup }
+        let walls = rings.iter().enumerate().map(|(index, ring)| {
+            let wall = |&other: &u16| (mesh.vertices[index] - mesh.vertices[usize::from(other)]).normalize();
+            ring.iter().map(wall).collect()
+        });
+        let walls = walls.collect();
+        let acute = mesh.triangles.iter().all(|triangle| {
+            let [a, b, c] = triangle.map(|index| mesh.vertices[usize::from(index)]);
+            let center = (b - a).cross(c - a).normalize();
+            [(a, b), (b, c), (c, a)].iter().all(|(from, to)| from.cross(*to).dot(center) > ACUTE)
+        });
+        Self { name, mesh, rings, walls, acute, lookup }
     }
 
     /// Name, one of [`DIRECTION_SETS`].
@@ -143,6 +159,20 @@ impl DirectionSet {
             Some((v, scale)) => self.lookup.nearest(&self.mesh.vertices, v, scale),
             None => 0,
         }
+    }
+
+    /// The bin of `vector`, if it is also that of every vector within `radius` of it.
+    ///
+    /// Bins are bounded by their neighbours in the Delaunay triangulation alone.
+    pub(crate) fn bin_around(&self, vector: DVec3, radius: f64) -> Option<usize> {
+        let bin = self.nearest_f64(vector);
+        self.walls[bin].iter().all(|wall| wall.dot(vector) > radius).then_some(bin)
+    }
+
+    /// No triangle is obtuse. The triangle that holds a vector is then one of those at the vector's bin: a bin's corners are
+    /// the centres of its triangles, and these are in the triangles.
+    pub(crate) fn is_acute(&self) -> bool {
+        self.acute
     }
 
     /// The three directions whose Delaunay triangle holds `vector`; on an edge or a corner, one of the triangles

@@ -179,6 +179,26 @@ proptest! {
     }
 
     #[test]
+    fn bins_hold_what_is_around(v in vectors(), to in vectors(), radius in 0.0..0.5_f64, set_index in 0..14_usize) {
+        let set = set(DIRECTION_SETS[set_index]);
+        let (v, to) = (v.as_dvec3().normalize_or_zero(), to.as_dvec3().normalize_or_zero());
+        if let Some(bin) = set.bin_around(v, radius) {
+            prop_assert_eq!(set.nearest_f64(v + to * radius), bin);
+            if set.is_acute() {
+                prop_assert!(set.weights_f64(v + to * radius).0.contains(&(bin as u16)));
+            }
+        }
+        // The bin's own direction is in its middle.
+        let bin = set.nearest_f64(v);
+        let nearest = set.ring(bin).iter().map(|&i| {
+            set.direction_f64(bin).dot(set.direction_f64(usize::from(i))).acos()
+        });
+        let half = nearest.fold(f64::MAX, f64::min) * 0.5;
+        prop_assert_eq!(set.bin_around(set.direction_f64(bin), half.sin() * 0.999), Some(bin));
+        prop_assert_eq!(set.bin_around(set.direction_f64(bin), half.sin() * 1.001), None);
+    }
+
+    #[test]
     fn lengths_do_not_matter(v in vectors(), scale in -30i32..30) {
         for name in ["icosahedron-1", "dodecahedron"] {
             prop_assert_eq!(set(name).nearest(v), set(name).nearest(v * 2f32.powi(scale)));
@@ -196,4 +216,14 @@ fn subdivided_tetrahedra_need_flips() {
     delaunay::make_delaunay(&mesh.vertices, &mut flipped);
     let changed = flipped.iter().zip(&mesh.triangles).filter(|(a, b)| a != b).count();
     assert!(changed > 0);
+}
+
+/// Those a bake uses are; the cube's squares are cut into right triangles.
+#[test]
+fn most_sets_are_acute() {
+    for name in ["dodecahedron", "icosahedron-1", "icosahedron-2", "icosahedron-3", "octahedron-1"] {
+        println!("{name}: {}", set(name).is_acute());
+    }
+    assert!(set("icosahedron-1").is_acute() && set("icosahedron-2").is_acute());
+    assert!(!set("cube").is_acute());
 }
