@@ -153,6 +153,8 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     measure(&gpu, &mut offscreen, "15,000 tubes, 10 % visible", || tubes(15_000), &some(15_000, 0.1))?;
     measure(&gpu, &mut offscreen, "60,000 boxes", || boxes(60_000), &some(60_000, 1.0))?;
     measure(&gpu, &mut offscreen, "60,000 boxes, 10 % visible", || boxes(60_000), &some(60_000, 0.1))?;
+    measure(&gpu, &mut offscreen, "400,000 tubes, 15 % visible", || tubes(400_000), &some(400_000, 0.15))?;
+    measure(&gpu, &mut offscreen, "400,000 boxes, 15 % visible", || boxes(400_000), &some(400_000, 0.15))?;
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::layout::{Layout, NONE};
+use crate::layout::{Layout, NONE, Spot};
 use crate::vertex::Row;
 
 /// One draw call.
@@ -143,18 +143,18 @@ impl Batcher {
     /// Notes visible objects and parts and counts instances.
     fn mark(&mut self, layout: &Layout, objects: &[u32]) {
         self.objects.clear();
-        self.objects.resize(layout.group_of.len().div_ceil(64), 0);
+        self.objects.resize(layout.spots.len().div_ceil(64), 0);
         self.parts.clear();
         self.parts.resize(layout.parts.len().div_ceil(64), 0);
         self.ends.clear();
         self.ends.resize(layout.mirrored.len(), 0);
         for &object in objects {
-            let Some(&group) = layout.group_of.get(object as usize) else { continue };
+            let Some(&Spot { triangles, group, .. }) = layout.spots.get(object as usize) else { continue };
             if !set(&mut self.objects, object) {
                 continue;
             }
             self.statistics.objects += 1;
-            self.statistics.triangles += u64::from(layout.triangles[object as usize]);
+            self.statistics.triangles += u64::from(triangles);
             if group == NONE {
                 let parts = layout.part_start[object as usize]..layout.part_start[object as usize + 1];
                 for &part in &layout.part_ids[parts.start as usize..parts.end as usize] {
@@ -185,7 +185,7 @@ impl Batcher {
             let place = &layout.places[object as usize];
             let [x, y, z] = place.columns;
             let origin = (place.origin - eye).as_vec3().to_array();
-            let end = &mut self.ends[layout.group_of[object as usize] as usize];
+            let end = &mut self.ends[layout.spots[object as usize].group as usize];
             self.rows[*end as usize] = Row { columns: [x, y, z, origin], object };
             *end += 1;
         }
@@ -201,8 +201,9 @@ impl Batcher {
             while rest != 0 {
                 let object = word * 64 + rest.trailing_zeros() as usize;
                 rest &= rest - 1;
-                if layout.group_of[object] != NONE {
-                    let bucket = bucket(layout.centers[object].distance_squared(eye));
+                let spot = &layout.spots[object];
+                if spot.group != NONE {
+                    let bucket = bucket(spot.center.distance_squared(eye));
                     self.buckets[bucket] += 1;
                     self.found.push((object as u32, bucket as u16));
                 }
@@ -222,7 +223,7 @@ impl Batcher {
 
     /// Adds an opaque or masked draw call whose nearest object is `object`, or about so.
     fn push_opaque(&mut self, layout: &Layout, eye: DVec3, object: u32, draw: Draw) {
-        let near = bucket(layout.centers[object as usize].distance_squared(eye)) as u64;
+        let near = bucket(layout.spots[object as usize].center.distance_squared(eye)) as u64;
         let key = u64::from(draw.class) << 44
             | u64::from(draw.mirrored) << 43
             | near << 32
@@ -260,7 +261,7 @@ impl Batcher {
                 }
                 for part in first..end {
                     let object = layout.parts[part as usize].object;
-                    let distance = layout.centers[object as usize].distance_squared(eye);
+                    let distance = layout.spots[object as usize].center.distance_squared(eye);
                     self.sorted.push(Blended {
                         distance,
                         object,
@@ -295,7 +296,7 @@ impl Batcher {
             draw.instances = 1;
             for row in row..end {
                 let object = self.rows[row as usize].object;
-                let distance = layout.centers[object as usize].distance_squared(eye);
+                let distance = layout.spots[object as usize].center.distance_squared(eye);
                 draw.row = row;
                 self.sorted.push(Blended { distance, object, position: position as u32, draw });
             }

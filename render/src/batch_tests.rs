@@ -2,8 +2,8 @@ use glam::{DAffine3, DMat3, Vec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::chunk::Capacity;
 use crate::geometry::Geometry;
-use crate::layout::Capacity;
 use crate::{AlphaMode, Material, Mesh, Object, Primitive, SceneData};
 
 /// Opaque, masked, blended, double-sided.

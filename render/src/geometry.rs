@@ -2,7 +2,8 @@
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
-use crate::layout::{Layout, NONE, Source, is_mirrored};
+use crate::chunk::Source;
+use crate::layout::{Layout, NONE, is_mirrored};
 use crate::vertex::{Vertex, normal_matrix, pack_color, pack_material, pack_normal, turn_normal};
 use crate::{Primitive, SceneData};
 

@@ -3,7 +3,8 @@
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use crate::SceneData;
-use crate::class::{Class, Mode, Sets, Textured, class_of};
+use crate::chunk::{Capacity, Filler, Source};
+use crate::class::{Class, Mode, Sets, class_of};
 
 /// No object, no group.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -13,35 +14,6 @@ const REPEATED_VERTICES: u64 = 1 << 20;
 
 /// Clusters may be this large, metres, whatever their parts: the error of a position is then below 0.1 mm.
 const CLUSTER_EXTENT: f64 = 2048.0;
-
-/// What decides about buffers and merging.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Capacity {
-    /// Vertices in one buffer.
-    pub(crate) vertices: u32,
-    /// Indices in one buffer.
-    pub(crate) indices: u32,
-    /// Meshes with several uses are written out once per use as long as all their uses together have this many vertices
-    /// at most: an instanced draw call of a handful of triangles costs more than the triangles.
-    pub(crate) merged_vertices: u64,
-}
-
-impl Capacity {
-    /// 64 MiB and 48 MiB: far below every driver's limit, and still few buffers for large scenes.
-    pub(crate) const DEFAULT: Self = Self { vertices: 1 << 21, indices: 3 << 22, merged_vertices: 2048 };
-}
-
-/// Triangles of a primitive that are written next, for an object or (object [`NONE`]) for instances.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Source {
-    pub(crate) mesh: u32,
-    pub(crate) primitive: u32,
-    /// Range of its triangles.
-    pub(crate) triangles: (u32, u32),
-    pub(crate) object: u32,
-    pub(crate) cluster: u32,
-    pub(crate) chunk: u32,
-}
 
 /// A merged part: the triangles of one object in one class.
 #[derive(Clone, Copy, Debug)]
@@ -70,8 +42,20 @@ pub(crate) struct Piece {
     pub(crate) index_count: u32,
 }
 
-/// Where an object stands.
+/// What batching reads of every visible object: half a cache line.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub(crate) struct Spot {
+    /// Middle of its box, world space.
+    pub(crate) center: DVec3,
+    pub(crate) triangles: u32,
+    /// Its group of instances (mesh and handedness), or [`NONE`].
+    pub(crate) group: u32,
+}
+
+/// Where an object stands: one cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(crate) struct Place {
     /// Columns of the linear part.
     pub(crate) columns: [[f32; 3]; 3],
@@ -93,15 +77,10 @@ pub(crate) struct Layout {
     pub(crate) part_ids: Vec<u32>,
     /// Parts of instanced meshes, by class.
     pub(crate) pieces: Vec<Piece>,
-    /// Per object: its group of instances (mesh and handedness), or [`NONE`].
-    pub(crate) group_of: Vec<u32>,
+    pub(crate) spots: Vec<Spot>,
     /// Per group: whether its instances are mirrored.
     pub(crate) mirrored: Vec<bool>,
     pub(crate) places: Vec<Place>,
-    /// Per object: middle of its box, for sorting blended ones.
-    pub(crate) centers: Vec<DVec3>,
-    /// Per object: its triangles.
-    pub(crate) triangles: Vec<u32>,
     pub(crate) chunk_textured: Vec<bool>,
     pub(crate) sources: Vec<Source>,
     pub(crate) sets: Vec<crate::class::TextureSet>,
@@ -196,7 +175,7 @@ impl Layout {
 
         // Pieces: every group draws the same triangles of its mesh.
         let mut groups_of_mesh = vec![[NONE; 2]; data.meshes.len()];
-        for (object, &group) in data.objects.iter().zip(&plan.group_of) {
+        for (object, &Spot { group, .. }) in data.objects.iter().zip(&plan.spots) {
             if group != NONE {
                 groups_of_mesh[object.mesh as usize][usize::from(plan.mirrored[group as usize])] = group;
             }
@@ -232,8 +211,8 @@ impl Layout {
             let m = object.to_world.matrix3;
             let columns = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.as_vec3().to_array());
             self.places.push(Place { columns, origin: object.to_world.translation });
-            self.centers.push(object.to_world.transform_point3(boxes[object.mesh as usize].0));
-            self.triangles.push(mesh_triangles[object.mesh as usize]);
+            let center = object.to_world.transform_point3(boxes[object.mesh as usize].0);
+            let triangles = mesh_triangles[object.mesh as usize];
             let group = if instanced[object.mesh as usize] {
                 let mirrored = is_mirrored(&object.to_world);
                 *groups.entry((object.mesh, mirrored)).or_insert_with(|| {
@@ -243,7 +222,7 @@ impl Layout {
             } else {
                 NONE
             };
-            self.group_of.push(group);
+            self.spots.push(Spot { center, triangles, group });
         }
     }
 
@@ -262,7 +241,7 @@ impl Layout {
             cluster_limit(wanted.iter().map(|&(.., object)| half(object).max_element() * 2.0).collect());
         let mut extent: Option<(DVec3, DVec3)> = None;
         for &(class, _, primitive, object) in wanted {
-            let (center, half) = (self.centers[object as usize], half(object));
+            let (center, half) = (self.spots[object as usize].center, half(object));
             let (low, high) = (center - half, center + half);
             let joined = extent.map_or((low, high), |(l, h)| (l.min(low), h.max(high)));
             let allowed = limit.max(half.max_element() * 8.0);
@@ -306,6 +285,11 @@ impl Layout {
         }
     }
 
+    /// Rows when everything is visible.
+    pub(crate) fn most_rows(&self) -> u64 {
+        (self.clusters.len() + self.spots.iter().filter(|spot| spot.group != NONE).count()) as u64
+    }
+
     /// Whether parts of this class are blended.
     pub(crate) fn is_blended(&self, class: u32) -> bool {
         self.classes[class as usize].mode == Mode::Blend
@@ -320,66 +304,4 @@ fn cluster_limit(mut extents: Vec<f64>) -> f64 {
     let middle = extents.len() / 2;
     let (_, median, _) = extents.select_nth_unstable_by(middle, f64::total_cmp);
     CLUSTER_EXTENT.max(*median * 256.0)
-}
-
-/// Fills chunks in order.
-struct Filler<'a> {
-    data: &'a SceneData,
-    capacity: Capacity,
-    classes: &'a [Class],
-    vertices: u64,
-    indices: u32,
-    chunk_textured: Vec<bool>,
-    sources: Vec<Source>,
-}
-
-impl<'a> Filler<'a> {
-    fn new(data: &'a SceneData, capacity: Capacity, classes: &'a [Class]) -> Self {
-        Self {
-            data,
-            capacity,
-            classes,
-            vertices: 0,
-            indices: 0,
-            chunk_textured: Vec::new(),
-            sources: Vec::new(),
-        }
-    }
-
-    /// Gives a primitive its place, in several pieces when it is larger than a chunk.
-    fn place(
-        &mut self,
-        class: u32,
-        mesh: u32,
-        primitive: u32,
-        object: u32,
-        cluster: u32,
-        mut placed: impl FnMut(u32, u32, u32),
-    ) {
-        let source = &self.data.meshes[mesh as usize].primitives[primitive as usize];
-        let (vertices, triangles) = (source.positions.len() as u64, (source.indices.len() / 3) as u32);
-        let whole = vertices <= u64::from(self.capacity.vertices) && triangles <= self.capacity.indices / 3;
-        let step =
-            if whole { triangles } else { (self.capacity.indices.min(self.capacity.vertices) / 3).max(1) };
-        let textured = self.classes[class as usize].textured != Textured::No;
-        let mut first = 0;
-        while first < triangles {
-            let end = triangles.min(first + step);
-            let count = (end - first) * 3;
-            let more = if whole { vertices } else { u64::from(count) };
-            if self.chunk_textured.last() != Some(&textured)
-                || self.vertices + more > u64::from(self.capacity.vertices)
-                || self.indices + count > self.capacity.indices
-            {
-                self.chunk_textured.push(textured);
-                (self.vertices, self.indices) = (0, 0);
-            }
-            let chunk = (self.chunk_textured.len() - 1) as u32;
-            self.sources.push(Source { mesh, primitive, triangles: (first, end), object, cluster, chunk });
-            placed(chunk, self.indices, count);
-            self.vertices += more;
-            self.indices += count;
-            first = end;
-        }
-    }
 }

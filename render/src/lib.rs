@@ -3,6 +3,7 @@
 
 mod batch;
 mod check;
+mod chunk;
 mod class;
 mod data;
 mod error;

@@ -212,7 +212,9 @@ impl Renderer {
         let eye = frame.view.eye;
         self.batcher.plan(&scene.layout, frame.objects, eye);
         self.lines.clear();
-        self.lines.extend(frame.lines.iter().flat_map(|line| {
+        // Lines that fit into no buffer are left out.
+        let most = gpu.device.limits().max_buffer_size as usize / (2 * size_of::<LineVertex>());
+        self.lines.extend(frame.lines.iter().take(most).flat_map(|line| {
             let end =
                 |p: glam::DVec3| LineVertex { position: (p - eye).as_vec3().to_array(), color: line.color };
             [end(line.from), end(line.to)]

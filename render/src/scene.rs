@@ -1,9 +1,10 @@
 //! A scene on the GPU.
 
+use crate::chunk::Capacity;
 use crate::geometry::Geometry;
-use crate::layout::{Capacity, Layout};
+use crate::layout::Layout;
 use crate::pipeline::Layouts;
-use crate::vertex::Vertex;
+use crate::vertex::{Row, Vertex};
 use crate::{Gpu, RenderError, SceneData, check, textures};
 
 /// Objects per row of the tint texture.
@@ -60,7 +61,8 @@ impl GpuScene {
             indices: Capacity::DEFAULT.indices.min((most / 4).try_into().unwrap_or(u32::MAX)),
             ..Capacity::DEFAULT
         };
-        let row_bytes = data.objects.len() as u64 * size_of::<crate::vertex::Row>() as u64;
+        let mut layout = Layout::new(data, order, capacity);
+        let row_bytes = layout.most_rows() * size_of::<Row>() as u64;
         if row_bytes > most {
             return Err(RenderError::TooLarge {
                 what: "bytes for the transforms of all objects",
@@ -69,7 +71,6 @@ impl GpuScene {
                 advice: "merge small objects",
             });
         }
-        let mut layout = Layout::new(data, order, capacity);
         gpu.guarded(|| {
             let layouts = Layouts::new(&gpu.device);
             let (chunks, geometry_bytes) = upload_chunks(gpu, data, &layout)?;
@@ -83,7 +84,7 @@ impl GpuScene {
 
     /// Triangles of an object, 0 for one that does not exist.
     pub fn triangles(&self, object: u32) -> u32 {
-        self.layout.triangles.get(object as usize).copied().unwrap_or(0)
+        self.layout.spots.get(object as usize).map_or(0, |spot| spot.triangles)
     }
 
     /// Bytes of geometry and textures on the GPU.
@@ -96,13 +97,13 @@ impl GpuScene {
     pub fn set_tints(&mut self, gpu: &Gpu, tints: Option<&[[u8; 4]]>) {
         self.tints.on = tints.is_some();
         let Some(tints) = tints else { return };
-        let rows = (self.layout.triangles.len() as u32).div_ceil(TINTS_PER_ROW).max(1);
+        let rows = (self.layout.spots.len() as u32).div_ceil(TINTS_PER_ROW).max(1);
         if self.tints.texture.width() != TINTS_PER_ROW {
             self.tints = Tints::new(gpu, &Layouts::new(&gpu.device), TINTS_PER_ROW, rows);
             self.tints.on = true;
         }
         let mut texels = vec![[0; 4]; (TINTS_PER_ROW * rows) as usize];
-        let count = tints.len().min(self.layout.triangles.len());
+        let count = tints.len().min(self.layout.spots.len());
         texels[..count].copy_from_slice(&tints[..count]);
         let bytes = bytemuck::cast_slice(&texels);
         textures::write(&gpu.queue, &self.tints.texture, 0, TINTS_PER_ROW, rows, bytes);

@@ -95,6 +95,49 @@ fn neighbours_and_instances_share_draw_calls() {
 }
 
 #[test]
+fn tints_beyond_the_first_row_of_their_texture_reach_their_objects() {
+    // Only two of them stand before the camera: 2100, on the left, and 52, which has its place in the row above.
+    let place = |i| match i {
+        2100 => at(-1.5, 0.0, 0.0),
+        52 => at(1.5, 0.0, 0.0),
+        _ => at(0.0, 0.0, 500.0),
+    };
+    let data = SceneData {
+        meshes: vec![mesh(quad(), 0)],
+        materials: vec![Material { unlit: true, ..material([1.0; 4]) }],
+        objects: (0..3000).map(|i| object(0, place(i))).collect(),
+        images: Vec::new(),
+    };
+    let mut studio = Studio::new(&data, 100, 50);
+    let mut tints = vec![[0, 0, 0, 255]; 2101];
+    (tints[2100], tints[52]) = ([10, 200, 90, 255], [250, 20, 30, 255]);
+    studio.scene.set_tints(gpu(), Some(&tints));
+    let image = studio.image(view([0.0, 0.0, 5.0], [0.0, 0.0, 0.0]), &[]);
+    let pixel = |x: usize| &image.rgba[(25 * 100 + x) * 4..][..3];
+    assert_eq!((pixel(33), pixel(66)), (&[10, 200, 90][..], &[250, 20, 30][..]));
+    studio.scene.set_tints(gpu(), None);
+    let image = studio.image(view([0.0, 0.0, 5.0], [0.0, 0.0, 0.0]), &[]);
+    assert_eq!(&image.rgba[(25 * 100 + 33) * 4..][..3], &[255, 255, 255]);
+}
+
+#[test]
+fn times_are_within_each_other() {
+    let mut studio = Studio::new(&balls(), 640, 360);
+    let mut renderer = Offscreen::renderer(gpu());
+    let frame = Frame { view: aim(), objects: &studio.objects, lines: &[] };
+    for _ in 0..3 {
+        let time = studio.offscreen.time(gpu(), &mut renderer, &studio.scene, &frame).expect("a time");
+        assert!(0.0 < time.cpu_ms && time.cpu_ms <= time.wall_ms, "{time:?}");
+        let has_timestamps = gpu().device.features().contains(svs_render::wgpu::Features::TIMESTAMP_QUERY);
+        assert_eq!(time.gpu_ms.is_some(), has_timestamps);
+        // Timestamps that bracket nothing would be far apart from the time waited for.
+        if let Some(ms) = time.gpu_ms {
+            assert!(0.0 < ms && ms <= time.wall_ms * 1.05, "{time:?}");
+        }
+    }
+}
+
+#[test]
 fn items_tell_opaque_from_blended_ones_and_look_through_masks() {
     let mut holes = quad();
     holes.uvs.iter_mut().for_each(|uv| uv[1] = 0.5);
