@@ -32,6 +32,8 @@ pub mod appearance;
 pub mod bake;
 mod baked;
 pub mod camera_path;
+#[cfg(feature = "render")]
+pub mod evaluate;
 pub mod generate;
 pub mod gltf;
 pub mod scene;

@@ -20,6 +20,7 @@ Examples:
   svs info plant.svs.glb                    what the file holds
   svs verify plant.svs.glb                  what it is worth, on cameras the bake has not seen
   svs render plant.svs.glb -o plant.png     a picture of it
+  svs evaluate plant.svs.glb -o report      what it gains on camera paths: times and pictures
   svs help build                            all options of a command
 
 Exit codes: 0 done; 1 bad input, failed validation or a file that cannot be written; 2 wrong usage."
@@ -53,6 +54,8 @@ pub(crate) enum Command {
     Verify(Verify),
     #[cfg(feature = "render")]
     Render(super::render::Render),
+    #[cfg(feature = "render")]
+    Evaluate(super::evaluate::Evaluate),
     Sample(Sample),
     Strip(Strip),
 }

@@ -6,6 +6,8 @@
 mod args;
 mod build;
 mod error;
+#[cfg(feature = "render")]
+mod evaluate;
 mod file;
 mod info;
 mod interrupt;
@@ -52,6 +54,8 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Verify(args) => verify::run(args, &cli.common),
         #[cfg(feature = "render")]
         Command::Render(args) => render::run(args, &cli.common),
+        #[cfg(feature = "render")]
+        Command::Evaluate(args) => evaluate::run(args, &cli.common),
         Command::Sample(args) => sample::run(args, &cli.common),
         Command::Strip(args) => strip::run(args, &cli.common),
     }

@@ -239,7 +239,7 @@ fn parsed<T: std::str::FromStr<Err: std::fmt::Display>>(name: &str) -> Result<T,
 }
 
 /// `1280x720`.
-fn size(text: &str) -> Result<(u32, u32), String> {
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let side = |text: &str| text.parse::<u32>().ok().filter(|side| (1..=16_384).contains(side));
     let size = text.split_once(['x', 'X']).and_then(|(width, height)| Some((side(width)?, side(height)?)));
     size.ok_or_else(|| "width and height in pixels are needed, such as 1280x720, each up to 16384".to_owned())

@@ -26,7 +26,7 @@ pub use item_buffer::{VisibleSet, visible_set};
 pub use published_bake::{PIXEL_LIMIT, PublishedBake, RESOLUTION, Sampling};
 pub use report::{GroupReport, PublishedReport, TriangleRatios, VerifyReport};
 pub use score::{Frame, Score};
-pub use statistics::{Distribution, interpolate_log, ratio};
+pub use statistics::{Distribution, interpolate_log, median, nearest_rank, ratio};
 pub use target::Target;
 pub use view::{Frustum, View};
 

@@ -21,11 +21,10 @@ impl Distribution {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_unstable_by(f64::total_cmp);
         let (Some(&worst), count) = (sorted.last(), sorted.len()) else { return Self::default() };
-        let rank = (count * 95).div_ceil(100);
         Self {
             mean: sorted.iter().sum::<f64>() / count as f64,
-            median: (sorted[(count - 1) / 2] + sorted[count / 2]) * 0.5,
-            p95: sorted[rank - 1],
+            median: median(&sorted),
+            p95: nearest_rank(&sorted, 95),
             worst,
         }
     }
@@ -39,6 +38,18 @@ impl Distribution {
             worst: combine(self.worst, other.worst),
         }
     }
+}
+
+/// Middle of ascending values, the mean of the two in the middle; of none, 0.
+pub fn median(sorted: &[f64]) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else { return 0.0 };
+    (sorted[last / 2] + sorted[last.div_ceil(2)]) * 0.5
+}
+
+/// The first of ascending values at or below which `percent` (1 to 100) of them are; of none, 0.
+pub fn nearest_rank(sorted: &[f64], percent: usize) -> f64 {
+    let rank = (sorted.len() * percent).div_ceil(100);
+    sorted.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
 }
 
 /// Value at `x` on the line through two points of a log-log plot, `x0 < x1`.
@@ -67,6 +78,10 @@ mod tests {
         let d = Distribution::of([3.0, 100.0, 2.0]);
         assert_eq!(d, Distribution { mean: 35.0, median: 3.0, p95: 100.0, worst: 100.0 });
         assert_eq!(Distribution::of([]), Distribution::default());
+        assert_eq!((median(&[]), median(&[4.0]), median(&[1.0, 2.0])), (0.0, 4.0, 1.5));
+        let hundred: Vec<f64> = (1..=100).map(f64::from).collect();
+        assert_eq!([1, 50, 99, 100].map(|percent| nearest_rank(&hundred, percent)), [1.0, 50.0, 99.0, 100.0]);
+        assert_eq!((nearest_rank(&[], 99), nearest_rank(&[7.0], 1)), (0.0, 7.0));
     }
 
     #[test]
