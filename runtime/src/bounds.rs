@@ -42,6 +42,36 @@ pub enum BoundsError {
         /// Number of trees.
         expected: usize,
     },
+    /// There is no such tree.
+    #[error("there is no tree {tree}")]
+    NoTree {
+        /// Index given.
+        tree: usize,
+    },
+    /// Not one triangle count per object of the tree.
+    #[error("tree {tree} has {expected} objects, but {found} triangle counts were given")]
+    Triangles {
+        /// Index of the tree.
+        tree: usize,
+        /// Counts given.
+        found: usize,
+        /// Objects in the tree.
+        expected: usize,
+    },
+    /// Not one triangle count per loose object, or more objects than can be numbered.
+    #[error("{boxes} boxes of loose objects, but {triangles} triangle counts were given")]
+    LooseCount {
+        /// Boxes given.
+        boxes: usize,
+        /// Triangle counts given.
+        triangles: usize,
+    },
+    /// Not finite, or a minimum above its maximum.
+    #[error("loose object {object}: its box is not finite or inside out")]
+    LooseBox {
+        /// Index of the loose object.
+        object: usize,
+    },
 }
 
 impl Bounds {

@@ -12,6 +12,7 @@ pub struct Camera {
     /// Points with `normal · p + offset >= 0` for all six are inside. `(0, 0, 0, 1)` stands for no plane.
     planes: [DVec4; 6],
     pixels_per_radian: f64,
+    image_area: f64,
 }
 
 /// How a box lies to the frustum.
@@ -48,6 +49,7 @@ impl Camera {
             eye: view.inverse().w_axis.truncate(),
             planes,
             pixels_per_radian: pixels(height * 0.5 / tangent),
+            image_area: area(width * height),
         }
     }
 
@@ -59,7 +61,14 @@ impl Camera {
     pub fn from_view_projection(view_projection: DMat4, eye: DVec3, pixels_per_radian: f64) -> Self {
         let [x, y, z, w] = [0, 1, 2, 3].map(|i| view_projection.row(i));
         let planes = [w + x, w - x, w + y, w - y, w + z, w - z].map(normalized);
-        Self { eye, planes, pixels_per_radian: pixels(pixels_per_radian) }
+        let pixels_per_radian = pixels(pixels_per_radian);
+        // The inner normals of two sides are π minus the opening angle apart: of the image's side, in pixels.
+        let side = |a: DVec4, b: DVec4| {
+            let cosine = -a.truncate().dot(b.truncate());
+            2.0 * pixels_per_radian * ((1.0 - cosine) / (1.0 + cosine)).sqrt()
+        };
+        let image_area = area(side(planes[0], planes[1]) * side(planes[2], planes[3]));
+        Self { eye, planes, pixels_per_radian, image_area }
     }
 
     /// The same camera in the local space of an anchor. Rotation, mirroring and uniform scale keep every answer exact
@@ -72,6 +81,7 @@ impl Camera {
             planes: self.planes.map(|plane| normalized(rows * plane)),
             // Areas and squared distances scale alike.
             pixels_per_radian: self.pixels_per_radian,
+            image_area: self.image_area,
         }
     }
 
@@ -83,6 +93,11 @@ impl Camera {
     /// Size in pixels, in the middle of the image, of something one radian wide.
     pub fn pixels_per_radian(&self) -> f64 {
         self.pixels_per_radian
+    }
+
+    /// Pixels of the whole image.
+    pub fn image_area(&self) -> f64 {
+        self.image_area
     }
 
     /// The box may be in sight: no plane has it wholly on its outer side. Errs towards `true` near the edges of the
@@ -131,6 +146,12 @@ fn pixels(pixels_per_radian: f64) -> f64 {
     if pixels_per_radian.is_finite() && pixels_per_radian > 0.0 { pixels_per_radian } else { 1e100 }
 }
 
+/// Without a usable image, the largest that is imagined: 32768 by 32768 pixels.
+fn area(pixels: f64) -> f64 {
+    const LARGEST: f64 = (1_u64 << 30) as f64;
+    if pixels > 0.0 && pixels < LARGEST { pixels } else { LARGEST }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -174,6 +195,7 @@ mod tests {
             directx::perspective_infinite_reverse(fov, 2.0, 0.1),
         ] {
             let camera = Camera::from_view_projection(projection * view, eye, 50.0);
+            assert!((camera.image_area() - 20_000.0).abs() < 1e-6, "{}", camera.image_area());
             for x in [-30.0, -3.0, 0.5, 20.0] {
                 for y in [-25.0, -2.0, 0.0, 2.0, 25.0] {
                     let bounds = cube(Vec3::new(1.0 + x, 2.0 + y, 3.0), 0.25);

@@ -3,7 +3,7 @@
 use crate::bounds::{Bounds, BoundsError};
 use crate::camera::Camera;
 use crate::query::Settings;
-use crate::traverse::{Boxes, CullStatistics, Hidden, Pass, innermost, parents};
+use crate::traverse::{Boxes, CullStatistics, Hidden, Hit, Hits, Pass, innermost, parents};
 use crate::tree::Tree;
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Culler {
     instance: Instance,
-    visible: Vec<u32>,
+    visible: Hits<u32>,
     statistics: CullStatistics,
 }
 
@@ -20,7 +20,7 @@ pub struct Culler {
 #[derive(Clone, Debug)]
 pub(crate) struct Instance {
     pub(crate) tree: Arc<Tree>,
-    boxes: Arc<Boxes>,
+    pub(crate) boxes: Arc<Boxes>,
     hidden: Option<Box<(Hidden, Above)>>,
 }
 
@@ -39,15 +39,15 @@ impl Culler {
     /// [`BoundsError`] if there is not one valid box per object.
     pub fn new(tree: &Arc<Tree>, bounds: &[Bounds]) -> Result<Self, BoundsError> {
         let instance = Instance::new(tree, shared_boxes(tree, bounds, 0)?);
-        let visible = Vec::with_capacity(tree.object_count());
+        let visible = Hits { list: Vec::with_capacity(tree.object_count()), too_small: 0.0 };
         Ok(Self { instance, visible, statistics: CullStatistics::default() })
     }
 
     /// Objects to draw for a camera in tree space (see [`Camera::to_local`]), as places in tree order, ascending.
     pub fn cull(&mut self, camera: &Camera, settings: &Settings) -> &[u32] {
-        self.visible.clear();
+        self.visible.list.clear();
         self.statistics = self.instance.cull(camera, settings, &mut self.visible);
-        &self.visible
+        &self.visible.list
     }
 
     /// What the last [`Self::cull`] did.
@@ -84,9 +84,27 @@ impl Instance {
         Self { tree: Arc::clone(tree), boxes, hidden: None }
     }
 
-    pub(crate) fn cull(&self, camera: &Camera, settings: &Settings, out: &mut Vec<u32>) -> CullStatistics {
+    pub(crate) fn cull<T: Hit>(
+        &self,
+        camera: &Camera,
+        settings: &Settings,
+        out: &mut Hits<T>,
+    ) -> CullStatistics {
+        self.pass(camera, settings).run(out)
+    }
+
+    pub(crate) fn pass<'a>(&'a self, camera: &'a Camera, settings: &'a Settings) -> Pass<'a> {
         let hidden = self.hidden.as_ref().map(|both| &both.0);
-        Pass { tree: &self.tree, boxes: &self.boxes, hidden, camera, settings }.run(out)
+        Pass { tree: &self.tree, boxes: &self.boxes, hidden, camera, settings }
+    }
+
+    pub(crate) fn is_hidden(&self, object: u32) -> bool {
+        self.hidden.as_ref().is_some_and(|both| both.0.objects[object as usize])
+    }
+
+    /// Something below the node is hidden.
+    pub(crate) fn is_disturbed(&self, node: usize) -> bool {
+        self.hidden.as_ref().is_some_and(|both| both.0.below[node] > 0)
     }
 
     /// `true` if that changed something.

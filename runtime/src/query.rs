@@ -78,6 +78,9 @@ impl Settings {
     /// Each object's bin, the three around its direction, and the bin's neighbours.
     pub const RING_O: Self = Self::object(0.0, 0.0);
 
+    /// No spheres at all: plain hierarchical frustum culling.
+    pub const FRUSTUM: Self = Self { max_half_angle: 0.0, ..Self::NEAREST_O };
+
     /// As published: MAX3 with the sphere's direction, every sphere used that does not hold the eye.
     pub const PUBLISHED: Self = Self { query: Query::SphereMax3, ..Self::object(0.0, 0.0) };
 

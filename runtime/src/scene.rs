@@ -1,51 +1,65 @@
-//! Culls a whole scene: all trees, at all their anchors, trees inside trees.
+//! Culls a whole scene: all trees, at all their anchors, trees inside trees, and the objects in no tree.
 
 use crate::bounds::{Bounds, BoundsError};
 use crate::camera::Camera;
 use crate::cull::{Instance, shared_boxes};
 use crate::decode::Visibility;
+use crate::loose::Loose;
 use crate::query::Settings;
-use crate::traverse::CullStatistics;
+use crate::traverse::{CullStatistics, Hit, Hits};
+use crate::within::Within;
 use glam::DAffine3;
 
-/// One object of one tree at one anchor.
+/// One object of one tree at one anchor, or a loose object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Draw {
-    /// Index of the tree.
+    /// Index of the tree, or [`LOOSE`].
     pub tree: u32,
-    /// Index of the anchor, 0 for a tree anchored at a scene.
+    /// Index of the anchor, 0 for a tree anchored at a scene and for loose objects.
     pub anchor: u32,
-    /// Place of the object in tree order.
+    /// Place of the object in tree order; of a loose object its index in [`SceneCuller::set_loose`].
     pub object: u32,
 }
+
+/// The "tree" of objects in no tree, see [`SceneCuller::set_loose`].
+pub const LOOSE: u32 = u32::MAX;
 
 /// Answers, per camera, what to draw of a whole scene.
 #[derive(Debug)]
 pub struct SceneCuller {
-    placed: Vec<Placed>,
+    pub(crate) placed: Vec<Placed>,
     /// First entry of each tree in `placed`.
     starts: Vec<usize>,
-    draws: Vec<Draw>,
-    places: Vec<u32>,
-    pending: Vec<usize>,
-    statistics: CullStatistics,
+    pub(crate) loose: Loose,
+    pub(crate) draws: Vec<Draw>,
+    places: Hits<u32>,
+    pub(crate) pending: Vec<usize>,
+    pub(crate) statistics: CullStatistics,
+    pub(crate) within: Within,
 }
 
 /// A tree at one of its anchors.
 #[derive(Debug)]
-struct Placed {
-    tree: u32,
-    anchor: u32,
-    instance: Instance,
-    to_world: DAffine3,
-    shown: bool,
+pub(crate) struct Placed {
+    pub(crate) tree: u32,
+    pub(crate) anchor: u32,
+    pub(crate) instance: Instance,
+    pub(crate) to_world: DAffine3,
+    pub(crate) shown: bool,
+    /// When it is walked, among all: what is drawn comes in this order.
+    pub(crate) rank: u32,
     /// The object, of another entry of `placed`, that stands for this one.
-    host: Option<(usize, u32)>,
+    pub(crate) host: Option<(usize, u32)>,
     /// Objects that stand for other entries, ascending.
     guests: Vec<(u32, usize)>,
 }
 
 impl SceneCuller {
+    /// A culler of no trees, for a file without a bake: give it the objects with [`Self::set_loose`].
+    pub fn empty() -> Self {
+        Self::of(Vec::new(), Vec::new())
+    }
+
     /// A culler for all trees. `bounds[t]` are the boxes of tree `t`'s objects in its tree space, in tree order; the box of
     /// an object that stands for another tree holds that whole tree.
     ///
@@ -69,6 +83,7 @@ impl SceneCuller {
                     instance: Instance::new(tree, boxes.clone()),
                     to_world: DAffine3::IDENTITY,
                     shown: true,
+                    rank: 0,
                     host: None,
                     guests: Vec::new(),
                 });
@@ -84,8 +99,29 @@ impl SceneCuller {
                 }
             }
         }
-        let statistics = CullStatistics::default();
-        Ok(Self { placed, starts, draws: Vec::new(), places: Vec::new(), pending: Vec::new(), statistics })
+        Ok(Self::of(placed, starts))
+    }
+
+    fn of(mut placed: Vec<Placed>, starts: Vec<usize>) -> Self {
+        let within = Within::new(&starts);
+        let mut pending = Vec::new();
+        push_roots(&placed, &mut pending);
+        let mut rank = 0;
+        while let Some(index) = pending.pop() {
+            placed[index].rank = rank;
+            rank += 1;
+            pending.extend(placed[index].guests.iter().map(|&(_, guest)| guest));
+        }
+        Self {
+            placed,
+            starts,
+            loose: Loose::default(),
+            draws: Vec::new(),
+            places: Hits::default(),
+            pending,
+            statistics: CullStatistics::default(),
+            within,
+        }
     }
 
     /// Where an anchor is: the transform from its tree's space to world space. Anchors that do not exist are ignored.
@@ -106,6 +142,10 @@ impl SceneCuller {
     /// Hides an object or shows it again, see [`crate::Culler::set_hidden`]. Spheres of the trees around its tree are not
     /// trusted either while it is hidden. Objects that do not exist are ignored.
     pub fn set_hidden(&mut self, object: Draw, hidden: bool) {
+        if object.tree == LOOSE {
+            self.loose.set_hidden(object.object, hidden);
+            return;
+        }
         let Some(index) = self.find(object.tree, object.anchor) else { return };
         if self.placed[index].instance.set_hidden(object.object, hidden) {
             let mut host = self.placed[index].host;
@@ -117,42 +157,76 @@ impl SceneCuller {
     }
 
     /// What to draw for a camera in world space. Allocates nothing once it has seen the most it will ever draw.
+    ///
+    /// The order is that of the trees, each followed by those inside it, and loose objects last in
+    /// [`Self::loose_order`]: from frame to frame it does not change.
     pub fn cull(&mut self, camera: &Camera, settings: &Settings) -> &[Draw] {
         self.draws.clear();
-        self.pending.clear();
-        self.statistics = CullStatistics::default();
-        self.pending.extend((0..self.placed.len()).rev().filter(|&i| self.placed[i].host.is_none()));
-        while let Some(index) = self.pending.pop() {
-            let placed = &self.placed[index];
-            if !placed.shown {
-                continue;
-            }
-            self.places.clear();
-            let local = camera.to_local(&placed.to_world);
-            self.statistics += placed.instance.cull(&local, settings, &mut self.places);
-            let mut guests = placed.guests.iter().peekable();
-            for &object in &self.places {
-                while guests.next_if(|guest| guest.0 < object).is_some() {}
-                match guests.next_if(|guest| guest.0 == object) {
-                    Some(&(_, guest)) => self.pending.push(guest),
-                    None => {
-                        self.draws.push(Draw { tree: placed.tree, anchor: placed.anchor, object });
-                    }
-                }
-            }
-        }
+        self.within.forget();
+        let draws = &mut self.draws;
+        let draw = |placed: &Placed, _: &Camera, object| {
+            draws.push(Draw { tree: placed.tree, anchor: placed.anchor, object });
+        };
+        let (pending, places) = (&mut self.pending, &mut self.places);
+        self.statistics = walk(&self.placed, pending, places, camera, settings, |_, _| (), draw);
+        let (draws, loose) = (&mut self.draws, &self.loose);
+        self.statistics.objects_tested += loose.cull(camera, settings.frustum, |place| {
+            draws.push(Draw { tree: LOOSE, anchor: 0, object: loose.object(place) });
+        });
         self.statistics.drawn = self.draws.len();
         &self.draws
     }
 
-    /// What the last [`Self::cull`] did, over all trees.
+    /// What the last [`Self::cull`] or [`Self::cull_within`] did, over all trees. With a budget, `drawn` is what was
+    /// chosen.
     pub fn statistics(&self) -> CullStatistics {
         self.statistics
     }
 
-    fn find(&self, tree: u32, anchor: u32) -> Option<usize> {
+    pub(crate) fn find(&self, tree: u32, anchor: u32) -> Option<usize> {
         let start = *self.starts.get(tree as usize)?;
         let end = self.starts.get(tree as usize + 1).copied().unwrap_or(self.placed.len());
         Some(start + anchor as usize).filter(|&index| index < end)
     }
+}
+
+/// Entries that hang in no other tree, the first on top.
+pub(crate) fn push_roots(placed: &[Placed], pending: &mut Vec<usize>) {
+    pending.clear();
+    pending.extend((0..placed.len()).rev().filter(|&index| placed[index].host.is_none()));
+}
+
+/// Culls all entries that are shown and whose host is drawn; `enter` gets each of them, `draw` what is drawn of it, with the
+/// camera in its tree's space.
+pub(crate) fn walk<T: Hit>(
+    placed: &[Placed],
+    pending: &mut Vec<usize>,
+    hits: &mut Hits<T>,
+    camera: &Camera,
+    settings: &Settings,
+    mut enter: impl FnMut(&Placed, &Camera),
+    mut draw: impl FnMut(&Placed, &Camera, T),
+) -> CullStatistics {
+    let mut statistics = CullStatistics::default();
+    hits.too_small = 0.0;
+    push_roots(placed, pending);
+    while let Some(index) = pending.pop() {
+        let entry = &placed[index];
+        if !entry.shown {
+            continue;
+        }
+        hits.list.clear();
+        let local = camera.to_local(&entry.to_world);
+        enter(entry, &local);
+        statistics += entry.instance.cull(&local, settings, hits);
+        let mut guests = entry.guests.iter().peekable();
+        for &hit in &hits.list {
+            while guests.next_if(|guest| guest.0 < hit.place()).is_some() {}
+            match guests.next_if(|guest| guest.0 == hit.place()) {
+                Some(&(_, guest)) => pending.push(guest),
+                None => draw(entry, &local, hit),
+            }
+        }
+    }
+    statistics
 }

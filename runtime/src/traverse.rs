@@ -5,6 +5,7 @@
 
 use crate::bounds::Bounds;
 use crate::camera::{Camera, Containment};
+use crate::estimate::is_around;
 use crate::query::{Query, Settings};
 use crate::tree::{Node, ObjectRow, Tree};
 use glam::DVec3;
@@ -33,6 +34,55 @@ impl std::ops::AddAssign for CullStatistics {
     }
 }
 
+/// An object to draw, as a pass reports it: its place alone, or with what an estimate of its size needs.
+pub(crate) trait Hit: Copy {
+    /// Sizes are wanted: what is dropped for its size is added up.
+    const MEASURED: bool;
+    /// `height` is that of the sphere that answered, above the object; 0 if the frustum alone decided.
+    fn new(place: u32, height: u32) -> Self;
+    /// Place in tree order.
+    fn place(self) -> u32;
+}
+
+impl Hit for u32 {
+    const MEASURED: bool = false;
+    #[inline]
+    fn new(place: u32, _: u32) -> Self {
+        place
+    }
+    #[inline]
+    fn place(self) -> u32 {
+        self
+    }
+}
+
+/// An object and the height of the sphere that answered for it, 0 without.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Measured {
+    pub(crate) place: u32,
+    pub(crate) height: u32,
+}
+
+impl Hit for Measured {
+    const MEASURED: bool = true;
+    #[inline]
+    fn new(place: u32, height: u32) -> Self {
+        Self { place, height }
+    }
+    #[inline]
+    fn place(self) -> u32 {
+        self.place
+    }
+}
+
+/// What passes report.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Hits<T> {
+    pub(crate) list: Vec<T>,
+    /// Estimated visible pixels of what was dropped only for its size, if that is measured.
+    pub(crate) too_small: f64,
+}
+
 /// Boxes of a tree's objects and nodes.
 #[derive(Debug)]
 pub(crate) struct Boxes {
@@ -58,17 +108,25 @@ pub(crate) struct Pass<'a> {
 }
 
 /// The settings in the form the inner loop wants them.
-struct Thresholds {
+pub(crate) struct Thresholds {
     nearest: f64,
     triangle: Option<f64>,
     ring: Option<f64>,
     /// Some threshold is above 0, so sizes must be estimated.
     sizes: bool,
-    pixels_squared: f64,
+    pub(crate) pixels_squared: f64,
+}
+
+impl Thresholds {
+    /// The same stages, for objects of any size.
+    pub(crate) fn without_sizes(&self) -> Self {
+        let any = |stage: Option<f64>| stage.map(|_| 0.0);
+        Self { nearest: 0.0, triangle: any(self.triangle), ring: any(self.ring), sizes: false, ..*self }
+    }
 }
 
 /// The bins a sphere query asks, the same for all objects below a node.
-enum SphereBins {
+pub(crate) enum SphereBins {
     Weighted([(usize, f64); 3]),
     Any([usize; 3]),
     All,
@@ -76,14 +134,11 @@ enum SphereBins {
 
 impl Pass<'_> {
     /// Appends the places of the objects to draw, ascending.
-    pub(crate) fn run(&self, out: &mut Vec<u32>) -> CullStatistics {
+    pub(crate) fn run<T: Hit>(&self, out: &mut Hits<T>) -> CullStatistics {
         let thresholds = self.thresholds();
-        let max_sine = match self.settings.max_half_angle {
-            t if t < FRAC_PI_2 => f64::from(t.max(0.0)).sin(),
-            _ => 1.0,
-        };
+        let max_sine = self.max_sine();
         let mut statistics = CullStatistics::default();
-        let before = out.len();
+        let before = out.list.len();
         let nodes = self.tree.nodes();
         // Objects up to here are dealt with, and objects up to there are known to be in the frustum.
         let (mut place, mut inside_end) = (0, if self.settings.frustum { 0 } else { u32::MAX });
@@ -95,6 +150,10 @@ impl Pass<'_> {
             self.draw_in_frustum(place..objects.start, inside_end, out, &mut statistics);
             place = objects.start;
             let skip = index + node.subtree as usize;
+            if objects.is_empty() {
+                index = skip;
+                continue;
+            }
             if objects.end > inside_end {
                 match self.camera.contains(&self.boxes.nodes[index]) {
                     Containment::Outside => {
@@ -115,11 +174,19 @@ impl Pass<'_> {
             }
         }
         self.draw_in_frustum(place..self.tree.object_count, inside_end, out, &mut statistics);
-        statistics.drawn = out.len() - before;
+        statistics.drawn = out.list.len() - before;
         statistics
     }
 
-    fn thresholds(&self) -> Thresholds {
+    /// Sine of the largest half-angle at which spheres are used.
+    pub(crate) fn max_sine(&self) -> f64 {
+        match self.settings.max_half_angle {
+            t if t < FRAC_PI_2 => f64::from(t.max(0.0)).sin(),
+            _ => 1.0,
+        }
+    }
+
+    pub(crate) fn thresholds(&self) -> Thresholds {
         let tau = &self.settings.tau;
         let stage = |t: f32| (t < f32::INFINITY).then(|| f64::from(t.max(tau.nearest)));
         let (triangle, ring) = (stage(tau.triangle), stage(tau.ring));
@@ -129,39 +196,40 @@ impl Pass<'_> {
     }
 
     /// The eye is outside the sphere, the sphere is not too near, and nothing below it has been disturbed.
-    fn is_usable(&self, index: usize, node: &Node, max_sine: f64) -> bool {
+    pub(crate) fn is_usable(&self, index: usize, node: &Node, max_sine: f64) -> bool {
         let distance_squared = (self.camera.eye() - node.center.as_dvec3()).length_squared();
         let radius = f64::from(node.radius);
         let limit = distance_squared * max_sine * max_sine;
-        // Written so that an eye that is not a number is outside of nothing.
+        // Written so that an eye that is not a number is outside of nothing. At half-angle 0 not even points are used.
         distance_squared > radius * radius
+            && max_sine > 0.0
             && radius * radius <= limit
             && self.hidden.is_none_or(|hidden| hidden.below[index] == 0)
     }
 
-    fn draw_in_frustum(
+    fn draw_in_frustum<T: Hit>(
         &self,
         places: Range<u32>,
         inside_end: u32,
-        out: &mut Vec<u32>,
+        out: &mut Hits<T>,
         statistics: &mut CullStatistics,
     ) {
         statistics.objects_tested += places.len();
         for place in places {
             let visible = place < inside_end || self.camera.sees(&self.boxes.objects[place as usize]);
             if visible && self.hidden.is_none_or(|hidden| !hidden.objects[place as usize]) {
-                out.push(place);
+                out.list.push(T::new(place, 0));
             }
         }
     }
 
     /// Asks a usable node for all objects below it.
-    fn scan(
+    fn scan<T: Hit>(
         &self,
         node: &Node,
         inside: bool,
         thresholds: &Thresholds,
-        out: &mut Vec<u32>,
+        out: &mut Hits<T>,
         statistics: &mut CullStatistics,
     ) {
         statistics.objects_tested += node.object_count as usize;
@@ -179,15 +247,21 @@ impl Pass<'_> {
             let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
             let to_eye = self.camera.eye() - (min + max) * 0.5;
             let distance_squared = to_eye.length_squared();
-            // Around the eye: no direction, and no limit to its size; some bin sees it at this height.
-            let around = distance_squared <= (max - min).length_squared() * 0.25;
-            if around || self.passes(object, height, to_eye, distance_squared, bins.as_ref(), thresholds) {
-                out.push(place);
+            // Some bin sees it at this height.
+            let around = is_around(bounds, distance_squared);
+            let passes = |least: &Thresholds| {
+                self.passes(object, height, to_eye, distance_squared, bins.as_ref(), least)
+            };
+            if around || passes(thresholds) {
+                out.list.push(T::new(place, height));
+            } else if T::MEASURED && thresholds.sizes && passes(&thresholds.without_sizes()) {
+                out.too_small +=
+                    self.tree.area(object, height) * thresholds.pixels_squared / distance_squared;
             }
         }
     }
 
-    fn passes(
+    pub(crate) fn passes(
         &self,
         object: &ObjectRow,
         height: u32,
@@ -225,8 +299,30 @@ impl Pass<'_> {
         }
     }
 
+    /// Bins that can make [`Self::passes`] draw an object, for explaining; for [`SphereBins::All`] all of them.
+    pub(crate) fn bins_asked(&self, to_eye: DVec3, bins: Option<&SphereBins>) -> Vec<usize> {
+        let directions = self.tree.directions;
+        match bins {
+            Some(SphereBins::Any(bins)) => bins.to_vec(),
+            Some(SphereBins::Weighted(bins)) => bins.map(|(bin, _)| bin).to_vec(),
+            Some(SphereBins::All) => (0..directions.len()).collect(),
+            None => {
+                let thresholds = self.thresholds();
+                let nearest = directions.nearest_f64(to_eye);
+                let mut asked = vec![nearest];
+                if thresholds.triangle.is_some() {
+                    asked.extend(directions.weights_f64(to_eye).0.map(usize::from));
+                }
+                if thresholds.ring.is_some() {
+                    asked.extend(directions.ring(nearest).iter().map(|&bin| usize::from(bin)));
+                }
+                asked
+            }
+        }
+    }
+
     /// `None` if each object uses its own direction.
-    fn sphere_bins(&self, node: &Node) -> Option<SphereBins> {
+    pub(crate) fn sphere_bins(&self, node: &Node) -> Option<SphereBins> {
         let directions = self.tree.directions;
         let to_eye = self.camera.eye() - node.center.as_dvec3();
         Some(match self.settings.query {
