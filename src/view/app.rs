@@ -90,7 +90,7 @@ impl Parts {
         let surface = instance
             .create_surface(Arc::clone(&window))
             .map_err(|error| ViewError::Surface(error.to_string()))?;
-        let gpu = Arc::new(Gpu::new_blocking(instance, Some(&surface))?);
+        let gpu = Arc::new(pollster::block_on(Gpu::new(instance, Some(&surface)))?);
         let surface = WindowSurface::new(&gpu, surface, Arc::clone(&window))?;
         let context = egui::Context::default();
         panel::apply_style(&context);

@@ -13,7 +13,7 @@ pub(crate) enum Colours {
     Material,
     /// One colour per object.
     Object,
-    /// From how far outside the object is seen from here.
+    /// From how far outside the object is seen, from any side.
     Level,
     /// The largest size the object has in any direction.
     Importance,
