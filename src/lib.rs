@@ -24,6 +24,7 @@
 //! - [`verify`] measures the result on cameras that the bake has not seen, beside the published method.
 //! - [`validate`] checks a file against the extension's schema and its scene.
 //! - [`generate`] makes the sample scenes.
+//! - With the feature `render`, `view` shows a scene in a window.
 
 pub mod bake;
 pub mod generate;
@@ -31,3 +32,5 @@ pub mod gltf;
 pub mod scene;
 pub mod validate;
 pub mod verify;
+#[cfg(feature = "render")]
+pub mod view;
