@@ -24,12 +24,20 @@
 //! - [`verify`] measures the result on cameras that the bake has not seen, beside the published method.
 //! - [`validate`] checks a file against the extension's schema and its scene.
 //! - [`generate`] makes the sample scenes.
-//! - With the feature `render`, `view` shows a scene in a window.
+//! - [`camera_path`] is where a camera goes.
+//! - With the feature `render`, `appearance` reads how a scene looks, `stage` opens a file for drawing, and `view` shows it
+//!   in a window.
 
+#[cfg(feature = "render")]
+pub mod appearance;
 pub mod bake;
+mod baked;
+pub mod camera_path;
 pub mod generate;
 pub mod gltf;
 pub mod scene;
+#[cfg(feature = "render")]
+pub mod stage;
 pub mod validate;
 pub mod verify;
 #[cfg(feature = "render")]

@@ -9,7 +9,7 @@ use serde_json::Value;
 const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Opens accessor `index`, which `pointer` names.
-pub(super) fn open<'a>(doc: &'a Document, index: usize, pointer: &str) -> Result<Accessor<'a>, SceneError> {
+pub(crate) fn open<'a>(doc: &'a Document, index: usize, pointer: &str) -> Result<Accessor<'a>, SceneError> {
     let accessors = array(&doc.json, "accessors", "")?;
     let Some(json) = accessors.get(index) else {
         let (pointer, count) = (pointer.to_owned(), accessors.len());
@@ -22,7 +22,7 @@ pub(super) fn open<'a>(doc: &'a Document, index: usize, pointer: &str) -> Result
 }
 
 /// Whether accessor `index` holds data of its own, or only what a compression extension fills in.
-pub(super) fn has_data(doc: &Document, index: usize) -> bool {
+pub(crate) fn has_data(doc: &Document, index: usize) -> bool {
     let accessor = doc.json.get("accessors").and_then(|accessors| accessors.get(index));
     accessor.is_some_and(|accessor| accessor.get("bufferView").is_some() || accessor.get("sparse").is_some())
 }
@@ -37,6 +37,6 @@ fn compressed_only(doc: &Document, accessor: &Value) -> Option<&'static str> {
 }
 
 /// Bytes of an accessor's elements, without padding.
-pub(super) fn bytes(accessor: &Accessor<'_>) -> u64 {
+pub(crate) fn bytes(accessor: &Accessor<'_>) -> u64 {
     accessor.count as u64 * accessor.kind.element_size(accessor.component_type) as u64
 }

@@ -21,7 +21,7 @@ const MAX_TOTAL_TEXELS: u64 = 512 << 20;
 
 /// Where a texture passes the alpha test.
 #[derive(Clone, Debug)]
-pub(super) enum MaskTexels {
+pub(crate) enum MaskTexels {
     AllPass,
     NonePass,
     Mixed(Arc<AlphaMask>),
@@ -29,7 +29,7 @@ pub(super) enum MaskTexels {
 
 /// Why a texture could not be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Unreadable {
+pub(crate) enum Unreadable {
     /// No PNG or JPEG data where the file says, or broken data.
     Data,
     /// More texels than [`MAX_TEXELS`] or, together, [`MAX_TOTAL_TEXELS`].
@@ -37,14 +37,14 @@ pub(super) enum Unreadable {
 }
 
 impl Unreadable {
-    pub(super) fn code(self) -> &'static str {
+    pub(crate) fn code(self) -> &'static str {
         match self {
             Unreadable::Data => "MASK_TEXTURE_UNREADABLE",
             Unreadable::Size => "MASK_TEXTURE_TOO_LARGE",
         }
     }
 
-    pub(super) fn message(self) -> &'static str {
+    pub(crate) fn message(self) -> &'static str {
         match self {
             Unreadable::Data => "alpha textures cannot be read (PNG and JPEG can): taken as transparent",
             Unreadable::Size => "alpha textures are too large to be tested: taken as transparent",
@@ -56,7 +56,7 @@ type Loaded = Result<MaskTexels, Unreadable>;
 
 /// Loads each alpha test once.
 #[derive(Debug)]
-pub(super) struct MaskLoader<'a> {
+pub(crate) struct MaskLoader<'a> {
     doc: &'a Document,
     /// By texture, alpha factor and cutoff.
     loaded: HashMap<(usize, u32, u32), Loaded>,
@@ -64,7 +64,7 @@ pub(super) struct MaskLoader<'a> {
 }
 
 impl<'a> MaskLoader<'a> {
-    pub(super) fn new(doc: &'a Document) -> MaskLoader<'a> {
+    pub(crate) fn new(doc: &'a Document) -> MaskLoader<'a> {
         MaskLoader { doc, loaded: HashMap::new(), texels_left: MAX_TOTAL_TEXELS }
     }
 
@@ -72,7 +72,7 @@ impl<'a> MaskLoader<'a> {
     ///
     /// # Errors
     /// The outer error is a file with broken references; the inner one a texture that cannot be used.
-    pub(super) fn load(&mut self, texture: usize, alpha: f32, cutoff: f32) -> Result<Loaded, SceneError> {
+    pub(crate) fn load(&mut self, texture: usize, alpha: f32, cutoff: f32) -> Result<Loaded, SceneError> {
         let key = (texture, alpha.to_bits(), cutoff.to_bits());
         if let Some(loaded) = self.loaded.get(&key) {
             return Ok(loaded.clone());
@@ -104,15 +104,15 @@ impl<'a> MaskLoader<'a> {
     }
 }
 
-/// The image of a texture. `source` is the PNG or JPEG; extensions may only add other formats.
-fn image_of(json: &Value, texture: usize) -> Result<Option<usize>, SceneError> {
+/// The image of a texture (index in range). `source` is the PNG or JPEG; extensions may only add other formats.
+pub(crate) fn image_of(json: &Value, texture: usize) -> Result<Option<usize>, SceneError> {
     let images = array(json, "images", "")?.len();
     let textures = array(json, "textures", "")?;
     optional_index(&textures[texture], "source", "images", images, &format!("/textures/{texture}"))
 }
 
 /// The encoded bytes of an image (index in range).
-fn bytes_of(doc: &Document, image: usize) -> Result<Cow<'_, [u8]>, Unreadable> {
+pub(crate) fn bytes_of(doc: &Document, image: usize) -> Result<Cow<'_, [u8]>, Unreadable> {
     let json = doc.json.get("images").and_then(|images| images.get(image)).ok_or(Unreadable::Data)?;
     if let Some(view) = json.get("bufferView") {
         let view = index(view, || format!("/images/{image}/bufferView")).map_err(|_| Unreadable::Data)?;
@@ -122,7 +122,7 @@ fn bytes_of(doc: &Document, image: usize) -> Result<Cow<'_, [u8]>, Unreadable> {
     doc.read_uri(uri, &format!("/images/{image}/uri"), MAX_BYTES).map_err(|_| Unreadable::Data)
 }
 
-fn wrap_modes(json: &Value, texture: usize) -> Result<[u32; 2], SceneError> {
+pub(crate) fn wrap_modes(json: &Value, texture: usize) -> Result<[u32; 2], SceneError> {
     const REPEAT: u32 = 10497;
     let samplers = array(json, "samplers", "")?;
     let textures = array(json, "textures", "")?;
@@ -139,14 +139,21 @@ fn wrap_modes(json: &Value, texture: usize) -> Result<[u32; 2], SceneError> {
     Ok([mode("wrapS")?, mode("wrapT")?])
 }
 
+/// Texels of a PNG or JPEG, if they are not too many.
+pub(crate) fn texels(bytes: &[u8]) -> Result<u64, Unreadable> {
+    let (width, height) = reader(bytes)?.into_dimensions().map_err(|_| Unreadable::Data)?;
+    let texels = u64::from(width) * u64::from(height);
+    if texels > MAX_TEXELS { Err(Unreadable::Size) } else { Ok(texels) }
+}
+
+fn reader(bytes: &[u8]) -> Result<ImageReader<Cursor<&[u8]>>, Unreadable> {
+    ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|_| Unreadable::Data)
+}
+
 /// Decodes a PNG or JPEG, after a look at its size.
-fn decode(bytes: &[u8]) -> Result<DynamicImage, Unreadable> {
-    let reader = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|_| Unreadable::Data);
-    let (width, height) = reader()?.into_dimensions().map_err(|_| Unreadable::Data)?;
-    if u64::from(width) * u64::from(height) > MAX_TEXELS {
-        return Err(Unreadable::Size);
-    }
-    let image = reader()?.decode().map_err(|_| Unreadable::Data)?;
+pub(crate) fn decode(bytes: &[u8]) -> Result<DynamicImage, Unreadable> {
+    texels(bytes)?;
+    let image = reader(bytes)?.decode().map_err(|_| Unreadable::Data)?;
     if image.width() == 0 || image.height() == 0 { Err(Unreadable::Data) } else { Ok(image) }
 }
 

@@ -4,7 +4,7 @@ use super::SceneError;
 use serde_json::Value;
 
 /// The array under `key`; a missing one is empty.
-pub(super) fn array<'a>(parent: &'a Value, key: &str, pointer: &str) -> Result<&'a [Value], SceneError> {
+pub(crate) fn array<'a>(parent: &'a Value, key: &str, pointer: &str) -> Result<&'a [Value], SceneError> {
     match parent.get(key) {
         None => Ok(&[]),
         Some(Value::Array(values)) => Ok(values),
@@ -13,7 +13,7 @@ pub(super) fn array<'a>(parent: &'a Value, key: &str, pointer: &str) -> Result<&
 }
 
 /// A number that is a non-negative integer. Integral floats (`3.0`) count: exporters write them.
-pub(super) fn index(value: &Value, pointer: impl FnOnce() -> String) -> Result<usize, SceneError> {
+pub(crate) fn index(value: &Value, pointer: impl FnOnce() -> String) -> Result<usize, SceneError> {
     if let Some(index) = value.as_u64() {
         return usize::try_from(index).map_err(|_| malformed(pointer(), "an index"));
     }
@@ -25,7 +25,7 @@ pub(super) fn index(value: &Value, pointer: impl FnOnce() -> String) -> Result<u
 }
 
 /// The index under `key`, checked against the `count` entries of top-level `array`; `None` if missing.
-pub(super) fn optional_index(
+pub(crate) fn optional_index(
     parent: &Value,
     key: &str,
     array: &'static str,
@@ -43,7 +43,7 @@ pub(super) fn optional_index(
 
 /// `N` numbers under `key`; `None` if missing. A number beyond the range of f64 is read as NaN, which the
 /// callers treat as they treat any other non-finite transform.
-pub(super) fn numbers<const N: usize>(
+pub(crate) fn numbers<const N: usize>(
     parent: &Value,
     key: &str,
     pointer: &str,
@@ -63,16 +63,16 @@ pub(super) fn numbers<const N: usize>(
 }
 
 /// The number under `key`, or `default` where it is missing or not a finite number.
-pub(super) fn number_or(parent: &Value, key: &str, default: f64) -> f64 {
+pub(crate) fn number_or(parent: &Value, key: &str, default: f64) -> f64 {
     parent.get(key).and_then(Value::as_f64).filter(|number| number.is_finite()).unwrap_or(default)
 }
 
 /// `extensions.<name>` of a glTF object.
-pub(super) fn extension<'a>(parent: &'a Value, name: &str) -> Option<&'a Value> {
+pub(crate) fn extension<'a>(parent: &'a Value, name: &str) -> Option<&'a Value> {
     parent.get("extensions")?.get(name)
 }
 
-pub(super) fn malformed(pointer: String, expected: &'static str) -> SceneError {
+pub(crate) fn malformed(pointer: String, expected: &'static str) -> SceneError {
     SceneError::Malformed { pointer, expected }
 }
 

@@ -14,17 +14,17 @@ use std::sync::Arc;
 
 /// What a material does to what is behind it.
 #[derive(Clone, Debug)]
-pub(super) struct Material {
+pub(crate) struct Material {
     /// Both sides are drawn.
-    pub(super) double_sided: bool,
-    pub(super) cover: Cover,
+    pub(crate) double_sided: bool,
+    pub(crate) cover: Cover,
     /// Alpha is tested, so alpha in vertex colours matters.
-    pub(super) alpha_tested: bool,
+    pub(crate) alpha_tested: bool,
 }
 
 /// Where a material's surfaces are.
 #[derive(Clone, Debug)]
-pub(super) enum Cover {
+pub(crate) enum Cover {
     Opaque,
     Transparent,
     /// The alpha test fails everywhere: nothing is drawn.
@@ -35,16 +35,16 @@ pub(super) enum Cover {
 
 /// An alpha texture and how a surface is mapped to it.
 #[derive(Clone, Debug)]
-pub(super) struct MaskTexture {
-    pub(super) mask: Arc<AlphaMask>,
+pub(crate) struct MaskTexture {
+    pub(crate) mask: Arc<AlphaMask>,
     /// n of TEXCOORD_n.
-    pub(super) tex_coord: usize,
-    pub(super) transform: UvTransform,
+    pub(crate) tex_coord: usize,
+    pub(crate) transform: UvTransform,
 }
 
 /// `KHR_texture_transform`: scale, then rotation (radians), then offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct UvTransform {
+pub(crate) struct UvTransform {
     offset: DVec2,
     rotation: f64,
     scale: DVec2,
@@ -54,7 +54,7 @@ impl UvTransform {
     const IDENTITY: UvTransform = UvTransform { offset: DVec2::ZERO, rotation: 0.0, scale: DVec2::ONE };
 
     /// Rotates counter-clockwise as seen on the image, whose v axis points down.
-    pub(super) fn apply(&self, uv: Vec2) -> Vec2 {
+    pub(crate) fn apply(&self, uv: Vec2) -> Vec2 {
         let (sin, cos) = self.rotation.sin_cos();
         let scaled = uv.as_dvec2() * self.scale;
         let rotated = DVec2::new(cos * scaled.x + sin * scaled.y, cos * scaled.y - sin * scaled.x);
@@ -72,14 +72,14 @@ impl UvTransform {
     }
 
     /// Bit patterns, so that surfaces with equal transforms can share vertices.
-    pub(super) fn key(&self) -> [u64; 5] {
+    pub(crate) fn key(&self) -> [u64; 5] {
         [self.offset.x, self.offset.y, self.rotation, self.scale.x, self.scale.y].map(f64::to_bits)
     }
 }
 
 /// The materials in use.
 #[derive(Debug)]
-pub(super) struct Materials {
+pub(crate) struct Materials {
     by_index: BTreeMap<usize, Material>,
     /// For primitives without material (glTF 2.0, 3.9.6).
     default: Material,
@@ -88,7 +88,7 @@ pub(super) struct Materials {
 impl Materials {
     /// The material of a primitive that may be drawn with any of `choices`: if they do not agree on what is
     /// hidden, the surface hides nothing and counts as seen from both sides.
-    pub(super) fn resolve(&self, choices: &[Option<usize>]) -> &Material {
+    pub(crate) fn resolve(&self, choices: &[Option<usize>]) -> &Material {
         const UNSURE: &Material =
             &Material { double_sided: true, cover: Cover::Transparent, alpha_tested: false };
         let material = |choice: &Option<usize>| {
@@ -233,14 +233,14 @@ impl Reader<'_> {
 }
 
 /// Light passes through: `KHR_materials_transmission`, `KHR_materials_volume`.
-fn transmits(json: &Value, animated: bool) -> bool {
+pub(crate) fn transmits(json: &Value, animated: bool) -> bool {
     let transmission = extension(json, "KHR_materials_transmission");
     transmission.is_some_and(|e| animated || number_or(e, "transmissionFactor", 0.0) > 0.0)
         || extension(json, "KHR_materials_volume").is_some()
 }
 
 /// The n of TEXCOORD_n and the transform of a `textureInfo`.
-fn uv_mapping(texture: &Value, pointer: &str) -> Result<(usize, UvTransform), SceneError> {
+pub(crate) fn uv_mapping(texture: &Value, pointer: &str) -> Result<(usize, UvTransform), SceneError> {
     let set = |parent: &Value, pointer: &str| {
         let place = || format!("{pointer}/texCoord");
         parent.get("texCoord").map(|value| index(value, place)).transpose()

@@ -1,24 +1,25 @@
 //! What is baked: the objects of one glTF scene, their geometry, and the node tree above them.
 
-mod accessors;
-mod alpha_mask;
+pub(crate) mod accessors;
+pub(crate) mod alpha_mask;
 mod animation;
 mod bounds;
 mod error;
 mod instancing;
-mod json;
-mod materials;
+pub(crate) mod json;
+pub(crate) mod materials;
 mod meshes;
 mod nodes;
-mod notes;
-mod primitives;
+pub(crate) mod notes;
+pub(crate) mod places;
+pub(crate) mod primitives;
 pub mod read;
 mod shared;
 mod surfaces;
 #[cfg(test)]
 mod tests;
 mod transform;
-mod triangulate;
+pub(crate) mod triangulate;
 mod vertices;
 
 pub use error::SceneError;
@@ -60,6 +61,8 @@ pub struct Object {
     pub to_world: DAffine3,
     /// How the object takes part in the bake.
     pub role: Role,
+    /// Not to be drawn: hidden (`KHR_node_visibility`), or its transform is not finite.
+    pub hidden: bool,
 }
 
 /// How an object takes part in the bake.

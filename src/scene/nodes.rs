@@ -277,6 +277,7 @@ impl<'a> Walker<'a> {
             scene_node: frame.scene_node,
             to_world: finite_or_identity(world),
             role: if fault.is_some() { Role::Excluded } else { Role::Static },
+            hidden: frame.hidden || !world.is_finite(),
         });
     }
 }

@@ -4,16 +4,16 @@ use super::Note;
 
 /// Notes in order of first occurrence.
 #[derive(Debug, Default)]
-pub(super) struct Notes(Vec<Note>);
+pub(crate) struct Notes(Vec<Note>);
 
 impl Notes {
     /// Counts one occurrence of `code`; `message` and `pointer` are kept from the first one.
-    pub(super) fn add(&mut self, code: &'static str, message: &str, pointer: impl FnOnce() -> String) {
+    pub(crate) fn add(&mut self, code: &'static str, message: &str, pointer: impl FnOnce() -> String) {
         self.add_many(code, 1, message, pointer);
     }
 
     /// Counts `count` occurrences; zero is nothing.
-    pub(super) fn add_many(
+    pub(crate) fn add_many(
         &mut self,
         code: &'static str,
         count: usize,
@@ -30,13 +30,13 @@ impl Notes {
     }
 
     /// Adds what another collector found, after this one's.
-    pub(super) fn append(&mut self, other: Notes) {
+    pub(crate) fn append(&mut self, other: Notes) {
         for Note { code, count, message, pointer } in other.0 {
             self.add_many(code, count, &message, || pointer);
         }
     }
 
-    pub(super) fn into_vec(self) -> Vec<Note> {
+    pub(crate) fn into_vec(self) -> Vec<Note> {
         self.0
     }
 }

@@ -18,42 +18,46 @@ const FREE_CORNERS: u64 = 1 << 24;
 
 /// A primitive with triangles.
 #[derive(Debug)]
-pub(super) struct Primitive {
+pub(crate) struct Primitive {
     /// JSON pointer of the primitive.
-    pub(super) pointer: String,
-    pub(super) topology: Topology,
+    pub(crate) pointer: String,
+    pub(crate) topology: Topology,
     /// POSITION accessor.
-    pub(super) position: usize,
-    pub(super) indices: Option<usize>,
+    pub(crate) position: usize,
+    pub(crate) indices: Option<usize>,
     /// Material and those that replace it as variants (`KHR_materials_variants`); `None`: default material.
-    pub(super) materials: Vec<Option<usize>>,
+    pub(crate) materials: Vec<Option<usize>>,
     /// COLOR_0 accessor: its alpha multiplies the material's.
-    pub(super) color: Option<usize>,
+    pub(crate) color: Option<usize>,
+    /// The material that draws it as long as no variant is chosen; `None`: default material.
+    pub(crate) material: Option<usize>,
+    /// NORMAL accessor.
+    pub(crate) normal: Option<usize>,
     /// TEXCOORD_n accessors by n.
-    pub(super) tex_coords: BTreeMap<usize, usize>,
+    pub(crate) tex_coords: BTreeMap<usize, usize>,
 }
 
 /// A mesh ready to be read.
 #[derive(Debug)]
-pub(super) struct MeshPlan {
-    pub(super) primitives: Vec<Primitive>,
+pub(crate) struct MeshPlan {
+    pub(crate) primitives: Vec<Primitive>,
     /// Distinct accessors of all its primitives.
-    pub(super) accessors: BTreeSet<usize>,
-    pub(super) has_morph_targets: bool,
+    pub(crate) accessors: BTreeSet<usize>,
+    pub(crate) has_morph_targets: bool,
 }
 
 /// What is to be read for all meshes in use.
 #[derive(Debug, Default)]
-pub(super) struct Plan {
-    pub(super) meshes: Vec<MeshPlan>,
+pub(crate) struct Plan {
+    pub(crate) meshes: Vec<MeshPlan>,
     /// POSITION accessors that several meshes use, each with the pointer of a use.
-    pub(super) shared_positions: BTreeMap<usize, String>,
+    pub(crate) shared_positions: BTreeMap<usize, String>,
     /// Materials in use.
-    pub(super) materials: BTreeSet<usize>,
+    pub(crate) materials: BTreeSet<usize>,
 }
 
 /// Parses the primitives of `meshes` (glTF mesh indices, in range).
-pub(super) fn plan(doc: &Document, meshes: &[usize], notes: &mut Notes) -> Result<Plan, SceneError> {
+pub(crate) fn plan(doc: &Document, meshes: &[usize], notes: &mut Notes) -> Result<Plan, SceneError> {
     let mut plan = Plan::default();
     let mut first_user: BTreeMap<usize, (usize, String)> = BTreeMap::new();
     let bytes = doc.buffer_bytes();
@@ -154,7 +158,8 @@ fn parse(
         return Err(SceneError::Compressed { pointer, extension: DRACO });
     }
 
-    let mut used = vec![optional_index(json, "material", "materials", materials, &pointer)?];
+    let material = optional_index(json, "material", "materials", materials, &pointer)?;
+    let mut used = vec![material];
     if let Some(variants) = extension(json, VARIANTS) {
         let pointer = format!("{pointer}/extensions/{VARIANTS}");
         for (i, mapping) in array(variants, "mappings", &pointer)?.iter().enumerate() {
@@ -171,6 +176,17 @@ fn parse(
             tex_coords.insert(set, accessor);
         }
     }
-    let color = attribute("COLOR_0")?;
-    Ok(Some(Primitive { pointer, topology, position, indices, materials: used, color, tex_coords }))
+    let (color, normal) = (attribute("COLOR_0")?, attribute("NORMAL")?);
+    let materials = used;
+    Ok(Some(Primitive {
+        pointer,
+        topology,
+        position,
+        indices,
+        materials,
+        color,
+        material,
+        normal,
+        tex_coords,
+    }))
 }

@@ -2,7 +2,7 @@
 
 /// Primitive mode that has triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Topology {
+pub(crate) enum Topology {
     List,
     Strip,
     Fan,
@@ -10,7 +10,7 @@ pub(super) enum Topology {
 
 impl Topology {
     /// `Some(None)` for points and lines; `None` for a number that is no mode.
-    pub(super) fn from_mode(mode: usize) -> Option<Option<Topology>> {
+    pub(crate) fn from_mode(mode: usize) -> Option<Option<Topology>> {
         match mode {
             0..=3 => Some(None),
             4 => Some(Some(Topology::List)),
@@ -21,7 +21,7 @@ impl Topology {
     }
 
     /// Triangles made of `corners` indices; an incomplete last one is ignored.
-    pub(super) fn triangle_count(self, corners: usize) -> usize {
+    pub(crate) fn triangle_count(self, corners: usize) -> usize {
         match self {
             Topology::List => corners / 3,
             Topology::Strip | Topology::Fan => corners.saturating_sub(2),
@@ -29,7 +29,7 @@ impl Topology {
     }
 
     /// Places of triangle `t`'s corners in the index list; all triangles face the same way.
-    pub(super) fn corners(self, t: usize) -> [usize; 3] {
+    pub(crate) fn corners(self, t: usize) -> [usize; 3] {
         match self {
             Topology::List => [3 * t, 3 * t + 1, 3 * t + 2],
             Topology::Strip => [t, t + 1 + t % 2, t + 2 - t % 2],

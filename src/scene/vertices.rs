@@ -4,9 +4,9 @@ use super::SceneError;
 use super::accessors::open;
 use super::bounds::Box3;
 use super::materials::UvTransform;
+use super::places::Places;
 use crate::gltf::{Accessor, ComponentType, Document};
 use glam::{DVec3, Vec2};
-use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A POSITION accessor's data.
@@ -68,19 +68,6 @@ pub(super) struct VertexSet {
     places: Places,
 }
 
-/// Places in the mesh. Files that put all vertices into one accessor share it between many meshes: a table of
-/// its full length for each would take time and memory quadratic in the file.
-#[derive(Debug)]
-enum Places {
-    Table(Vec<u32>),
-    Map(HashMap<u32, u32>),
-}
-
-const NO_PLACE: u32 = u32::MAX;
-
-/// Accessors up to this length, or in use by one set only, get a table.
-const SMALL: usize = 1 << 12;
-
 impl VertexSet {
     /// `uvs` are as many as `data` has points; `is_shared`: other sets use the same data.
     pub(super) fn new(
@@ -88,11 +75,7 @@ impl VertexSet {
         uvs: Option<(Arc<Vec<Vec2>>, UvTransform)>,
         is_shared: bool,
     ) -> VertexSet {
-        let places = if is_shared && data.points.len() > SMALL {
-            Places::Map(HashMap::new())
-        } else {
-            Places::Table(vec![NO_PLACE; data.points.len()])
-        };
+        let places = Places::new(data.points.len(), is_shared);
         VertexSet { data, uvs, places }
     }
 
@@ -113,16 +96,12 @@ impl VertexSet {
         positions: &mut Vec<DVec3>,
         uvs: &mut Vec<Vec2>,
     ) -> Option<u32> {
-        let slot = match &mut self.places {
-            Places::Table(table) => &mut table[vertex as usize],
-            Places::Map(map) => map.entry(vertex).or_insert(NO_PLACE),
-        };
-        if *slot == NO_PLACE {
-            *slot = u32::try_from(positions.len()).ok().filter(|&place| place != NO_PLACE)?;
+        let (place, is_new) = self.places.place(vertex, positions.len())?;
+        if is_new {
             positions.push(self.data.points[vertex as usize]);
             let uv = |(uvs, transform): &(Arc<Vec<Vec2>>, UvTransform)| transform.apply(uvs[vertex as usize]);
             uvs.push(self.uvs.as_ref().map_or(Vec2::ZERO, uv));
         }
-        Some(*slot)
+        Some(place)
     }
 }

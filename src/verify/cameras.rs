@@ -88,27 +88,41 @@ fn outside(radii: f64, sphere: &Sphere, random: &mut Random) -> (DVec3, DVec3) {
 }
 
 fn inside(around: &Surroundings<'_>, random: &mut Random) -> (DVec3, DVec3) {
-    let size = around.bounds.max - around.bounds.min;
-    let small = size.length() * SMALL_OBJECT;
-    let mut place = || {
-        let share = DVec3::new(random.between(0.0, 1.0), random.between(0.05, 0.6), random.between(0.0, 1.0));
-        around.bounds.min + size * share
-    };
-    let is_free = |p: DVec3| {
-        !around.objects.iter().any(|b| {
-            b.min.cmple(p).all() && p.cmple(b.max).all() && (b.max - b.min).length_squared() < small * small
-        })
-    };
-    let mut eye = place();
-    for _ in 1..TRIES {
-        if is_free(eye) {
-            break;
-        }
-        eye = place();
-    }
+    let eye = around.standing_place(random);
     let mut forward = random.horizontal();
     forward.y = random.between(-0.3, 0.3);
     (eye, forward)
+}
+
+impl Surroundings<'_> {
+    /// Uniform in the box at 5-60 % of its height, not in the box of a small object if there is room elsewhere.
+    pub(crate) fn standing_place(&self, random: &mut Random) -> DVec3 {
+        let size = self.bounds.max - self.bounds.min;
+        let mut place = || {
+            let share =
+                DVec3::new(random.between(0.0, 1.0), random.between(0.05, 0.6), random.between(0.0, 1.0));
+            self.bounds.min + size * share
+        };
+        let mut eye = place();
+        for _ in 1..TRIES {
+            if self.is_free(eye) {
+                break;
+            }
+            eye = place();
+        }
+        eye
+    }
+
+    /// Not in the box of a small object.
+    pub(crate) fn is_free(&self, p: DVec3) -> bool {
+        !self.objects.iter().any(|b| b.min.cmple(p).all() && p.cmple(b.max).all() && self.is_small(b))
+    }
+
+    /// Nobody stands in an object of this size.
+    pub(crate) fn is_small(&self, object: &Aabb) -> bool {
+        let small = (self.bounds.max - self.bounds.min).length() * SMALL_OBJECT;
+        (object.max - object.min).length_squared() < small * small
+    }
 }
 
 #[cfg(test)]

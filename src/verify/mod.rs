@@ -5,21 +5,22 @@
 //! sweep of its quality slider, the **published method** ([`PublishedBake`]) and plain frustum culling. The runtime
 //! crate itself answers, so what is measured is what users run. See [`VerifyReport`] for the figures.
 
-mod baked;
 mod cameras;
 mod item_buffer;
 mod methods;
 mod published;
 mod published_bake;
-mod random;
+pub(crate) mod random;
 mod report;
 mod score;
+mod slider;
 mod statistics;
 mod target;
 #[cfg(test)]
 mod tests;
 mod view;
 
+pub use crate::baked::BakedError as VerifyError;
 pub use cameras::{CAMERA_GROUPS, CameraGroup, CameraOptions, Surroundings, camera};
 pub use item_buffer::{VisibleSet, visible_set};
 pub use published_bake::{PIXEL_LIMIT, PublishedBake, RESOLUTION, Sampling};
@@ -31,11 +32,10 @@ pub use view::{Frustum, View};
 
 use crate::bake::Progress;
 use crate::bake::rays::RayScene;
+use crate::baked::Baked;
 use crate::gltf::Document;
-use crate::scene::SceneError;
-use baked::Baked;
 use methods::Measure;
-use svs_runtime::{BoundsError, DecodeError};
+use slider::RuntimeSlider;
 
 /// What to measure.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -57,32 +57,6 @@ impl Default for VerifyOptions {
     fn default() -> Self {
         Self { cameras: 24, seed: 1, published: true, width: 1280, height: 720 }
     }
-}
-
-/// Why a file could not be verified.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum VerifyError {
-    /// The file has no baked visibility.
-    #[error("the file holds no baked visibility: run `svs build` on it first")]
-    NotBaked,
-    /// The baked visibility is broken.
-    #[error(
-        "the baked visibility cannot be read ({0}): run `svs validate` for details, or `svs build` again"
-    )]
-    Decode(#[from] DecodeError),
-    /// The scene has changed since it was baked.
-    #[error("tree {tree} was baked from another state of the scene: run `svs build` again")]
-    Stale {
-        /// Index of the tree.
-        tree: usize,
-    },
-    /// The runtime refuses the objects' boxes.
-    #[error("the objects do not fit the baked visibility: {0}")]
-    Bounds(#[from] BoundsError),
-    /// The scene cannot be read.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
 }
 
 /// Measures the baked visibility of `doc` on held-out cameras. The report does not depend on the number of threads.
@@ -117,9 +91,9 @@ fn measure(
     full: bool,
     progress: &dyn Progress,
 ) -> Result<VerifyReport, VerifyError> {
-    let baked = Baked::read(doc)?;
-    let target = Target::new(&baked.scene, &baked.covered());
-    let rays = RayScene::new(&baked.scene.meshes, &target.parts);
+    let (scene, baked) = Baked::read(doc)?;
+    let target = Target::new(&scene, &baked.covered(&scene));
+    let rays = RayScene::new(&scene.meshes, &target.parts);
     let mut report = VerifyReport {
         objects: target.members.len(),
         triangles: target.members.iter().map(|member| u64::from(member.triangles)).sum(),
@@ -134,7 +108,7 @@ fn measure(
     }
     let published = options.published.then(|| {
         let size = (RESOLUTION, PIXEL_LIMIT);
-        PublishedBake::new(&target, &baked.scene.meshes, &rays, size, progress)
+        PublishedBake::new(&target, &scene.meshes, &rays, size, progress)
     });
     report.published = published.as_ref().map(|bake| PublishedReport {
         nodes: bake.hierarchy.nodes.len(),
@@ -156,7 +130,7 @@ fn measure(
         }
     }
     progress.stage("comparing methods", None);
-    let slider = baked.slider(&target)?;
+    let slider = RuntimeSlider { baked: &baked, target: &target, culler: baked.culler(&scene)? };
     let published = published.as_ref();
     let measure =
         Measure { target: &target, frames: &frames, slider, published, recommended: baked.recommended() };

@@ -4,11 +4,11 @@ use glam::DVec3;
 
 /// SplitMix64 (Steele, Lea, Flood: Fast Splittable Pseudorandom Number Generators, OOPSLA 2014).
 #[derive(Clone, Debug)]
-pub(super) struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
     /// A stream of its own for each `(seed, stream, index)`: more cameras do not change the first ones.
-    pub(super) fn new(seed: u64, stream: u64, index: u64) -> Self {
+    pub(crate) fn new(seed: u64, stream: u64, index: u64) -> Self {
         let mut random = Self(seed);
         for value in [stream, index] {
             random.0 = random.next() ^ value.wrapping_mul(0xD1B5_4A32_D192_ED03);
@@ -24,12 +24,12 @@ impl Random {
     }
 
     /// Uniform in `low..high`.
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.next() >> 11) as f64 / 9_007_199_254_740_992.0)
     }
 
     /// Uniform in the unit ball, by rejection: no sine, whose last bit differs between machines.
-    pub(super) fn in_ball(&mut self) -> DVec3 {
+    pub(crate) fn in_ball(&mut self) -> DVec3 {
         loop {
             let p = DVec3::from_array(std::array::from_fn(|_| self.between(-1.0, 1.0)));
             if p.length_squared() <= 1.0 {
@@ -39,7 +39,7 @@ impl Random {
     }
 
     /// Uniform on the unit sphere.
-    pub(super) fn on_sphere(&mut self) -> DVec3 {
+    pub(crate) fn on_sphere(&mut self) -> DVec3 {
         loop {
             let p = self.in_ball();
             if p.length_squared() > 1e-4 {
@@ -49,7 +49,7 @@ impl Random {
     }
 
     /// Uniform horizontal unit vector (y = 0).
-    pub(super) fn horizontal(&mut self) -> DVec3 {
+    pub(crate) fn horizontal(&mut self) -> DVec3 {
         loop {
             let p = DVec3::new(self.between(-1.0, 1.0), 0.0, self.between(-1.0, 1.0));
             if (1e-4..=1.0).contains(&p.length_squared()) {

@@ -39,6 +39,7 @@ fn scene(cubes: &[(DVec3, f64, bool)]) -> Scene {
         scene_node: 0,
         to_world: DAffine3::from_scale_rotation_translation(DVec3::splat(half), Default::default(), center),
         role: Role::Static,
+        hidden: false,
     };
     Scene {
         meshes: vec![cube(Opacity::Opaque), cube(Opacity::Transparent)],

@@ -138,8 +138,10 @@ impl Parts {
         }
 
         let shapes = context.tessellate(output.shapes, output.pixels_per_point);
-        for (id, delta) in &output.textures_delta.set {
-            self.painter.update_texture(&self.gpu.device, &self.gpu.queue, *id, delta);
+        for (id, deltas) in &output.textures_delta.set {
+            for delta in deltas {
+                self.painter.update_texture(&self.gpu.device, &self.gpu.queue, *id, delta);
+            }
         }
         let acquired = self.surface.acquire(&self.gpu)?;
         if let Some(shown) = acquired {

@@ -82,7 +82,7 @@ fn status(ui: &Ui, viewer: &mut Viewer, rect: Rect) {
     if lines.is_empty() && viewer.message.is_none() {
         return;
     }
-    let area = Area::new(egui::Id::new("status")).fixed_pos(rect.min + Vec2::splat(10.0));
+    let area = Area::new(egui::Id::unique("status")).fixed_pos(rect.min + Vec2::splat(10.0));
     area.constrain_to(rect).show(ui.ctx(), |ui| {
         ui.set_max_width((rect.width() - 40.0).max(100.0));
         Frame::window(ui.style()).show(ui, |ui| {

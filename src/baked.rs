@@ -1,29 +1,55 @@
 //! The baked file as a user of the runtime has it: decoded trees, placed in the scene, and their culler.
 
-use super::VerifyError;
-use super::methods::Slider;
-use super::target::Target;
-use super::view::View;
 use crate::bake::subject::box_in_tree;
 use crate::bake::tree::Aabb;
 use crate::gltf::{Document, DocumentTables};
-use crate::scene::{ReadOptions, Role, Scene, read_scene};
-use glam::{DAffine3, DMat3, DMat4, Vec3};
+use crate::scene::{ReadOptions, Role, Scene, SceneError, read_scene};
+use glam::{DAffine3, DVec3, Vec3};
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 use svs_runtime::format::{EXTENSION_NAME, Extension};
-use svs_runtime::{Bounds, Camera, Placement, SceneCuller, Settings, Tree, Visibility};
+use svs_runtime::{
+    Bounds, BoundsError, DecodeError, Draw, Placement, SceneCuller, Settings, Tree, Visibility,
+};
+
+/// Why the baked visibility of a file cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BakedError {
+    /// The file has no baked visibility.
+    #[error("the file holds no baked visibility: run `svs build` on it first")]
+    NotBaked,
+    /// The baked visibility is broken.
+    #[error(
+        "the baked visibility cannot be read ({0}): run `svs validate` for details, or `svs build` again"
+    )]
+    Decode(#[from] DecodeError),
+    /// The scene has changed since it was baked.
+    #[error("tree {tree} was baked from another state of the scene: run `svs build` again")]
+    Stale {
+        /// Index of the tree.
+        tree: usize,
+    },
+    /// The runtime refuses the objects' boxes.
+    #[error("the objects do not fit the baked visibility: {0}")]
+    Bounds(#[from] BoundsError),
+    /// The scene cannot be read.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
 
 /// Trees of a file and where they are in its scene.
-pub(super) struct Baked {
-    pub scene: Scene,
+#[derive(Debug)]
+pub(crate) struct Baked {
     visibility: Visibility,
     /// For each tree its anchors.
     anchors: Vec<Vec<Anchor>>,
 }
 
 /// One place of a tree.
+#[derive(Debug)]
 struct Anchor {
     to_world: DAffine3,
     /// Objects of the scene below it; `None` if the scene does not show it.
@@ -33,9 +59,9 @@ struct Anchor {
 impl Baked {
     /// Decodes the extension of `doc` and reads the scene that its first tree with a scene names, else the default
     /// one.
-    pub(super) fn read(doc: &Document) -> Result<Self, VerifyError> {
+    pub(crate) fn read(doc: &Document) -> Result<(Scene, Self), BakedError> {
         let json = doc.json.get("extensions").and_then(|all| all.get(EXTENSION_NAME));
-        let json = json.ok_or(VerifyError::NotBaked)?;
+        let json = json.ok_or(BakedError::NotBaked)?;
         let extension = Extension::deserialize(json).map_err(svs_runtime::DecodeError::from)?;
         let visibility = Visibility::decode(json, &DocumentTables::of_extension(doc, &extension))?;
         let index = extension.trees.iter().find_map(|tree| tree.scene);
@@ -60,27 +86,27 @@ impl Baked {
                 .collect(),
         };
         let anchors = visibility.trees().iter().map(|tree| place(tree.placement())).collect();
-        let baked = Self { scene, visibility, anchors };
-        baked.check()?;
-        Ok(baked)
+        let baked = Self { visibility, anchors };
+        baked.check(&scene)?;
+        Ok((scene, baked))
     }
 
     /// Every object exists and has the triangles it was baked with.
-    fn check(&self) -> Result<(), VerifyError> {
+    fn check(&self, scene: &Scene) -> Result<(), BakedError> {
         for (index, tree) in self.visibility.trees().iter().enumerate() {
             for range in self.anchors[index].iter().filter_map(|a| a.objects.as_ref()) {
                 let triangles: Option<Vec<u32>> = (0..tree.object_count())
                     .map(|place| {
                         let object = self.object(tree, range, place)?;
-                        let mesh = self.scene.objects[object as usize].mesh;
-                        Some(self.scene.meshes[mesh as usize].drawn_triangles)
+                        let mesh = scene.objects[object as usize].mesh;
+                        Some(scene.meshes[mesh as usize].drawn_triangles)
                     })
                     .collect();
                 // An object that stands for a tree has no triangles of its own to compare.
                 let is_stale =
                     triangles.is_none_or(|counts| tree.nested().is_empty() && tree.is_stale(&counts));
                 if is_stale {
-                    return Err(VerifyError::Stale { tree: index });
+                    return Err(BakedError::Stale { tree: index });
                 }
             }
         }
@@ -93,35 +119,69 @@ impl Baked {
         below.contains(&object).then_some(object)
     }
 
-    /// For each object of the scene: a tree decides whether it is drawn.
-    pub(super) fn covered(&self) -> Vec<bool> {
-        let mut covered = vec![false; self.scene.objects.len()];
-        for (tree, anchors) in self.visibility.trees().iter().zip(&self.anchors) {
-            let mut is_nested = vec![false; tree.object_count()];
-            for nested in tree.nested() {
-                is_nested[nested.object as usize] = true;
-            }
-            for range in anchors.iter().filter_map(|a| a.objects.as_ref()) {
-                for place in (0..tree.object_count()).filter(|&place| !is_nested[place]) {
-                    if let Some(object) = self.object(tree, range, place) {
-                        covered[object as usize] = true;
-                    }
+    /// The trees, in the order of the file.
+    pub(crate) fn trees(&self) -> &[Arc<Tree>] {
+        self.visibility.trees()
+    }
+
+    /// Everything that the trees decide about, tree by tree: what the runtime says to draw, and its object of the scene.
+    pub(crate) fn draws(&self) -> impl Iterator<Item = (Draw, u32)> {
+        self.visibility.trees().iter().zip(&self.anchors).enumerate().flat_map(
+            move |(index, (tree, anchors))| {
+                let mut is_nested = vec![false; tree.object_count()];
+                for nested in tree.nested() {
+                    is_nested[nested.object as usize] = true;
                 }
-            }
+                let places: Vec<usize> =
+                    (0..tree.object_count()).filter(|&place| !is_nested[place]).collect();
+                anchors.iter().enumerate().flat_map(move |(anchor, at)| {
+                    let draws: Vec<(Draw, u32)> = (places.iter())
+                        .filter_map(|&place| {
+                            let object = self.object(tree, at.objects.as_ref()?, place)?;
+                            Some((
+                                Draw { tree: index as u32, anchor: anchor as u32, object: place as u32 },
+                                object,
+                            ))
+                        })
+                        .collect();
+                    draws
+                })
+            },
+        )
+    }
+
+    /// The object of the scene that the runtime says to draw; `None` if the scene does not show it.
+    pub(crate) fn object_of(&self, draw: Draw) -> Option<u32> {
+        let tree = self.visibility.trees().get(draw.tree as usize)?;
+        let anchor = self.anchors[draw.tree as usize].get(draw.anchor as usize)?;
+        let place = Some(draw.object as usize).filter(|&place| place < tree.object_count())?;
+        self.object(tree, anchor.objects.as_ref()?, place)
+    }
+
+    /// For each object of the scene: a tree decides whether it is drawn.
+    pub(crate) fn covered(&self, scene: &Scene) -> Vec<bool> {
+        let mut covered = vec![false; scene.objects.len()];
+        for (_, object) in self.draws() {
+            covered[object as usize] = true;
         }
         covered
     }
 
     /// Quality that the file recommends: the highest of its trees', since all share one slider.
-    pub(super) fn recommended(&self) -> Option<f32> {
+    pub(crate) fn recommended(&self) -> Option<f32> {
         let qualities = self.visibility.trees().iter().filter_map(|tree| tree.recommended_quality());
         qualities.reduce(f32::max)
     }
 
-    /// The runtime's culler over all trees, for the objects of `target`.
-    pub(super) fn slider<'a>(&'a self, target: &'a Target) -> Result<RuntimeSlider<'a>, VerifyError> {
+    /// Default settings: at the recommended quality, if there is one.
+    pub(crate) fn settings(&self) -> Settings {
+        self.recommended().map_or_else(Settings::default, Settings::from_quality)
+    }
+
+    /// The runtime's culler over all trees.
+    pub(crate) fn culler(&self, scene: &Scene) -> Result<SceneCuller, BakedError> {
         let trees = self.visibility.trees();
-        let bounds: Vec<Vec<Bounds>> = (0..trees.len()).map(|tree| self.boxes(tree)).collect();
+        let bounds: Vec<Vec<Bounds>> = (0..trees.len()).map(|tree| self.boxes(scene, tree)).collect();
         let mut culler = SceneCuller::new(&self.visibility, &bounds)?;
         for (tree, anchors) in self.anchors.iter().enumerate() {
             for (anchor, place) in anchors.iter().enumerate() {
@@ -129,11 +189,11 @@ impl Baked {
                 culler.set_shown(tree as u32, anchor as u32, place.objects.is_some());
             }
         }
-        Ok(RuntimeSlider { baked: self, target, culler })
+        Ok(culler)
     }
 
     /// Boxes of a tree's objects in its space, as a loader has them, below the first anchor that is shown.
-    fn boxes(&self, tree: usize) -> Vec<Bounds> {
+    fn boxes(&self, scene: &Scene, tree: usize) -> Vec<Bounds> {
         const NOWHERE: Bounds = Bounds { min: Vec3::ZERO, max: Vec3::ZERO };
         let data = &self.visibility.trees()[tree];
         let mut boxes = vec![NOWHERE; data.object_count()];
@@ -155,10 +215,10 @@ impl Baked {
                 None => self.object(data, range, at).map_or(0..0, |object| object..object + 1),
             };
             let around = objects
-                .map(|object| &self.scene.objects[object as usize])
+                .map(|object| &scene.objects[object as usize])
                 .filter(|object| object.role == Role::Static)
                 .map(|object| {
-                    box_in_tree(&self.scene.meshes[object.mesh as usize], &(from_world * object.to_world))
+                    box_in_tree(&scene.meshes[object.mesh as usize], &(from_world * object.to_world))
                 })
                 .filter(|b| !b.is_empty())
                 .fold(Aabb::EMPTY, |all, b| all.union(&b));
@@ -169,7 +229,7 @@ impl Baked {
 }
 
 /// The smallest `f32` box around a box; `None` for an empty one.
-fn outward(bounds: &Aabb) -> Option<Bounds> {
+pub(crate) fn outward(bounds: &Aabb) -> Option<Bounds> {
     if bounds.is_empty() {
         return None;
     }
@@ -177,34 +237,6 @@ fn outward(bounds: &Aabb) -> Option<Bounds> {
         let rounded = v.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32;
         if f64::from(rounded) > v { rounded.next_down() } else { rounded }
     };
-    let pick = |v: glam::DVec3, round: &dyn Fn(f64) -> f32| Vec3::new(round(v.x), round(v.y), round(v.z));
+    let pick = |v: DVec3, round: &dyn Fn(f64) -> f32| Vec3::new(round(v.x), round(v.y), round(v.z));
     Some(Bounds { min: pick(bounds.min, &down), max: pick(bounds.max, &|v| -down(-v)) })
-}
-
-/// The runtime, asked for cameras of the item buffer.
-pub(super) struct RuntimeSlider<'a> {
-    baked: &'a Baked,
-    target: &'a Target,
-    culler: SceneCuller,
-}
-
-impl Slider for RuntimeSlider<'_> {
-    fn draw(&mut self, view: &View, settings: &Settings, drawn: &mut Vec<u32>) {
-        let baked = self.baked;
-        drawn.clear();
-        for draw in self.culler.cull(&runtime_camera(view), settings) {
-            let tree = &baked.visibility.trees()[draw.tree as usize];
-            let range = baked.anchors[draw.tree as usize][draw.anchor as usize].objects.as_ref();
-            let object = range.and_then(|range| baked.object(tree, range, draw.object as usize));
-            drawn.extend(object.and_then(|object| self.target.member_of_object[object as usize]));
-        }
-    }
-}
-
-/// The same camera for the runtime; nothing is too near.
-fn runtime_camera(view: &View) -> Camera {
-    let to_eye = DMat3::from_cols(view.right, view.up, -view.forward).transpose();
-    let matrix = DMat4::from_mat3(to_eye) * DMat4::from_translation(-view.eye);
-    let vertical = 2.0 * view.half_height.atan();
-    Camera::perspective(matrix, vertical, f64::from(view.width), f64::from(view.height), 0.0)
 }

@@ -1,0 +1,91 @@
+//! How a scene looks: geometry with normals, colours and texture coordinates, materials and textures, as plain data for
+//! the renderer.
+//!
+//! What a look needs beyond positions is optional: attributes, materials and textures that cannot be used are left out and
+//! counted in [`Appearance::notes`], never an error. Skinned and morphed meshes are taken in their rest pose.
+
+mod attributes;
+mod geometry;
+mod materials;
+#[cfg(test)]
+mod tests;
+mod textures;
+
+use crate::gltf::Document;
+use crate::scene::notes::Notes;
+use crate::scene::{Note, Scene, SceneError, json, primitives};
+use attributes::Attributes;
+use geometry::Geometry;
+use materials::Materials;
+use rayon::prelude::*;
+use svs_render::{Mesh, Object, SceneData};
+
+/// A scene as the renderer takes it.
+#[derive(Debug, Default)]
+pub struct Appearance {
+    /// Objects are those of [`Scene::objects`], in their order; meshes those of [`Scene::meshes`], then an empty one for
+    /// objects that are not to be drawn.
+    pub data: SceneData,
+    /// Counted notes on what was left out.
+    pub notes: Vec<Note>,
+}
+
+/// Why the looks of a scene cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AppearanceError {
+    /// The document is broken, or asks for too much.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The scene was read from another document.
+    #[error("the scene does not belong to this document: its node {node} has no such mesh")]
+    OtherDocument {
+        /// Index of the glTF node.
+        node: usize,
+    },
+}
+
+/// Reads the looks of `scene`, which was read from `doc`. The result does not depend on the number of threads.
+///
+/// # Errors
+/// [`AppearanceError`]; a document that [`crate::scene::read_scene`] could read gives none.
+pub fn read(doc: &Document, scene: &Scene) -> Result<Appearance, AppearanceError> {
+    let mut notes = Notes::default();
+    let plan = primitives::plan(doc, &gltf_meshes(doc, scene)?, &mut Notes::default())?;
+    let primitives = || plan.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let materials = Materials::read(doc, primitives().map(|primitive| primitive.material), &mut notes);
+    let attributes = Attributes::read(doc, &plan, &materials, &mut notes);
+    let geometry = Geometry { doc, materials: &materials, attributes: &attributes };
+    let read: Vec<(Mesh, Notes)> = plan.meshes.par_iter().map(|mesh| geometry.mesh(mesh)).collect();
+    let mut meshes = Vec::with_capacity(read.len() + 1);
+    for (mesh, mesh_notes) in read {
+        meshes.push(mesh);
+        notes.append(mesh_notes);
+    }
+    let nothing = meshes.len() as u32;
+    meshes.push(Mesh::default());
+    let object = |object: &crate::scene::Object| Object {
+        mesh: if object.hidden { nothing } else { object.mesh },
+        to_world: object.to_world,
+    };
+    let objects = scene.objects.iter().map(object).collect();
+    let Materials { materials, images, .. } = materials;
+    Ok(Appearance { data: SceneData { meshes, materials, images, objects }, notes: notes.into_vec() })
+}
+
+/// The glTF mesh of each mesh of the scene.
+fn gltf_meshes(doc: &Document, scene: &Scene) -> Result<Vec<usize>, AppearanceError> {
+    let count = json::array(&doc.json, "meshes", "")?.len();
+    let mut meshes = vec![usize::MAX; scene.meshes.len()];
+    for object in &scene.objects {
+        let mesh = doc.json.get("nodes").and_then(|nodes| nodes.get(object.node)?.get("mesh"));
+        let mesh = mesh.and_then(|mesh| json::index(mesh, String::new).ok()).filter(|&mesh| mesh < count);
+        let place = meshes.get_mut(object.mesh as usize);
+        let (Some(mesh), Some(place)) = (mesh, place) else {
+            return Err(AppearanceError::OtherDocument { node: object.node });
+        };
+        *place = mesh;
+    }
+    // Meshes in use have an object each.
+    if meshes.contains(&usize::MAX) { Err(AppearanceError::OtherDocument { node: 0 }) } else { Ok(meshes) }
+}
