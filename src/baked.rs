@@ -184,12 +184,31 @@ impl Baked {
         let bounds: Vec<Vec<Bounds>> = (0..trees.len()).map(|tree| self.boxes(scene, tree)).collect();
         let mut culler = SceneCuller::new(&self.visibility, &bounds)?;
         for (tree, anchors) in self.anchors.iter().enumerate() {
+            if !anchors.is_empty() {
+                culler.set_triangles(tree as u32, &self.triangles(scene, tree))?;
+            }
             for (anchor, place) in anchors.iter().enumerate() {
                 culler.set_anchor(tree as u32, anchor as u32, place.to_world);
                 culler.set_shown(tree as u32, anchor as u32, place.objects.is_some());
             }
         }
         Ok(culler)
+    }
+
+    /// Triangles of a tree's objects, below the first anchor that is shown; none of objects that stand for trees.
+    fn triangles(&self, scene: &Scene, tree: usize) -> Vec<u32> {
+        let data = &self.visibility.trees()[tree];
+        let mut triangles = vec![0; data.object_count()];
+        if let Some(range) = self.anchors[tree].iter().find_map(|anchor| anchor.objects.as_ref()) {
+            for (place, count) in triangles.iter_mut().enumerate() {
+                let object = self.object(data, range, place).map(|object| &scene.objects[object as usize]);
+                *count = object.map_or(0, |object| scene.meshes[object.mesh as usize].drawn_triangles);
+            }
+        }
+        for nested in data.nested() {
+            triangles[nested.object as usize] = 0;
+        }
+        triangles
     }
 
     /// Boxes of a tree's objects in its space, as a loader has them, below the first anchor that is shown.

@@ -20,10 +20,7 @@ use crate::scene::{Note, Scene};
 use crate::verify::Surroundings;
 use glam::DVec3;
 use svs_render::{SceneData, View};
-use svs_runtime::{Camera, Draw, SceneCuller, Settings, Tree};
-
-/// The tree of objects in no tree.
-const LOOSE: u32 = u32::MAX;
+use svs_runtime::{Camera, Draw, LOOSE, SceneCuller, Settings, Tree};
 
 /// A file opened for drawing. Objects have the same index in [`Stage::scene`], in [`Stage::data`] and everywhere else.
 #[derive(Debug)]
@@ -71,7 +68,7 @@ impl Stage {
 
     /// The trees of the baked visibility; empty without.
     pub fn trees(&self) -> &[std::sync::Arc<Tree>] {
-        self.baked.as_ref().map_or(&[], |baked| baked.trees())
+        self.baked.as_ref().map_or(&[], Baked::trees)
     }
 
     /// Box of everything that is drawn, world space; a unit cube around the origin if that is nothing.

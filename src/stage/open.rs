@@ -1,15 +1,16 @@
 //! Opens files.
 
-use super::Stage;
+use super::{Stage, object_of};
 use crate::appearance::{self, AppearanceError};
 use crate::bake::subject::box_in_tree;
 use crate::bake::tree::Aabb;
-use crate::baked::{Baked, BakedError};
+use crate::baked::{Baked, BakedError, outward};
 use crate::gltf::Document;
 use crate::scene::{Object, ReadOptions, Scene, SceneError, read_scene};
-use glam::DVec3;
+use glam::{DMat4, DVec3};
 use serde_json::Value;
-use svs_runtime::{Bounds, BoundsError, DecodeError, Draw, SceneCuller, Settings, Visibility};
+use std::collections::HashSet;
+use svs_runtime::{Bounds, BoundsError, Camera, Draw, LOOSE, SceneCuller, Settings};
 
 /// Coordinates beyond this do not fit the culler's boxes with room for arithmetic.
 const MAX_COORDINATE: f64 = 1e18;
@@ -27,9 +28,6 @@ pub enum StageError {
     /// The culler refuses the objects' boxes.
     #[error("the objects cannot be culled: {0}")]
     Bounds(#[from] BoundsError),
-    /// A culler without trees cannot be made.
-    #[error("the objects cannot be culled: {0}")]
-    Decode(#[from] DecodeError),
 }
 
 /// Trees that can be used, and their culler.
@@ -55,43 +53,53 @@ impl Stage {
             if is_drawn { bounds } else { Aabb::EMPTY }
         };
         let boxes: Vec<Aabb> = scene.objects.iter().map(bounds).collect();
+        let triangle = |object: &Object| scene.meshes[object.mesh as usize].drawn_triangles;
+        let triangles: Vec<u32> = scene.objects.iter().map(triangle).collect();
+        let Trees { baked, mut culler, notice } = trees;
         let mut draws = vec![None; scene.objects.len()];
-        let mut order = Vec::with_capacity(scene.objects.len());
-        for (draw, object) in trees.baked.iter().flat_map(Baked::draws) {
-            // A file may name one object in two trees: the first one draws it.
-            if draws[object as usize].is_none() {
-                draws[object as usize] = Some(draw);
-                order.push(object);
-            }
+        for (draw, object) in baked.iter().flat_map(Baked::draws) {
+            // A file may name one object in two trees: the first one stands for it.
+            draws[object as usize].get_or_insert(draw);
         }
         let is_loose = |&object: &usize| draws[object].is_none() && !boxes[object].is_empty();
         let loose: Vec<u32> = (0..draws.len()).filter(is_loose).map(|object| object as u32).collect();
         for (place, &object) in loose.iter().enumerate() {
-            draws[object as usize] = Some(Draw { tree: super::LOOSE, anchor: 0, object: place as u32 });
+            draws[object as usize] = Some(Draw { tree: LOOSE, anchor: 0, object: place as u32 });
         }
-        order.extend(&loose);
-        let triangle = |object: &Object| scene.meshes[object.mesh as usize].drawn_triangles;
-        let count = scene.objects.len();
-        let settings = trees.baked.as_ref().map_or_else(Settings::default, Baked::settings);
+        let loose_boxes: Vec<Bounds> =
+            loose.iter().filter_map(|&object| outward(&boxes[object as usize])).collect();
+        let loose_triangles: Vec<u32> = loose.iter().map(|&object| triangles[object as usize]).collect();
+        culler.set_loose(&loose_boxes, &loose_triangles)?;
+        let order = order(&mut culler, |draw| object_of(baked.as_ref(), &loose, draw));
+        let settings = baked.as_ref().map_or_else(Settings::default, Baked::settings);
         Ok(Stage {
             names: names(doc, &scene),
-            triangles: scene.objects.iter().map(triangle).collect(),
             bounds: around(&boxes),
             data: looks.data,
             notes: looks.notes,
-            baked: trees.baked,
-            notice: trees.notice,
-            culler: trees.culler,
+            hidden: vec![false; triangles.len()],
+            drawn: Vec::with_capacity(order.len()),
+            scene,
+            triangles,
+            baked,
+            notice,
+            culler,
             settings,
             order,
             draws,
             loose,
             boxes,
-            hidden: vec![false; count],
-            drawn: Vec::new(),
-            scene,
         })
     }
+}
+
+/// Everything that can be drawn, each object once, as the culler answers.
+fn order(culler: &mut SceneCuller, object_of: impl Fn(Draw) -> Option<u32>) -> Vec<u32> {
+    let everywhere = Camera::perspective(DMat4::IDENTITY, 1.0, 1.0, 1.0, 0.0);
+    let everything = Settings { frustum: false, ..Settings::FRUSTUM };
+    let mut seen = HashSet::new();
+    let objects = culler.cull(&everywhere, &everything).iter().filter_map(|&draw| object_of(draw));
+    objects.filter(|&object| seen.insert(object)).collect()
 }
 
 fn trees(doc: &Document) -> Result<(Scene, Trees), StageError> {
@@ -107,8 +115,7 @@ fn trees(doc: &Document) -> Result<(Scene, Trees), StageError> {
         Err(error) => Some(format!("{error}; culled by the frustum alone")),
     };
     let scene = read_scene(doc, &ReadOptions::default())?;
-    let culler = SceneCuller::new::<Vec<Bounds>>(&Visibility::new(Vec::new())?, &[])?;
-    Ok((scene, Trees { baked: None, culler, notice }))
+    Ok((scene, Trees { baked: None, culler: SceneCuller::empty(), notice }))
 }
 
 /// Finite and of a size that boxes in single precision can hold.

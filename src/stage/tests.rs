@@ -27,7 +27,7 @@ fn outside(stage: &Stage) -> View {
 
 fn cull(stage: &mut Stage, view: &View, method: Method) -> Vec<u32> {
     let settings = stage.recommended();
-    let mut drawn = stage.cull(view, 640, 480, method, &settings).to_vec();
+    let mut drawn = stage.cull(view, 640, 480, method, &settings, &svs_runtime::Budget::Unlimited).to_vec();
     drawn.sort_unstable();
     drawn
 }

@@ -1,9 +1,9 @@
 //! Hand-made scenes with exact expected answers, and one file from bake to report.
 
-use super::baked::Baked;
 use super::methods::{Measure, Slider};
 use super::*;
 use crate::bake::{self, BakeOptions, Quality, Silent};
+use crate::baked::Baked;
 use crate::scene::{Mesh, Object, Opacity, Role, Scene, Surface};
 use glam::{DAffine3, DVec3, Vec3};
 use serde_json::json;
