@@ -111,7 +111,9 @@ impl Parts {
         let camera = options.camera.as_ref().and_then(|path| path.frames(1).first().copied());
         let proxy = proxy.clone();
         // The loop is gone when the window was closed meanwhile.
-        let wake = Arc::new(move || drop(proxy.send_event(Woken)));
+        let wake = Arc::new(move || {
+            let _ = proxy.send_event(Woken);
+        });
         let mut viewer = Viewer::new(Arc::clone(&gpu), state, camera, wake);
         if let Some(file) = &options.file {
             viewer.open(file);

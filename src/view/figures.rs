@@ -147,6 +147,14 @@ pub(crate) fn short(value: f64) -> String {
     format!("{scaled:.digits$}{unit}")
 }
 
+/// Distance of the marks of an axis from 0 to `largest`: 1, 2 or 5 times a power of ten, three to seven of them.
+pub(crate) fn step(largest: f64) -> f64 {
+    let rough = if largest.is_finite() { largest.max(1e-3) / 3.0 } else { 1.0 };
+    let power = 10_f64.powf(rough.log10().floor());
+    let digit = [5.0, 2.0, 1.0].into_iter().find(|digit| digit * power <= rough).unwrap_or(1.0);
+    digit * power
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,6 +176,16 @@ mod tests {
         assert_eq!(kept, expected);
         assert_eq!(history.total(), (HISTORY * 2 + 17) as u64);
         assert_eq!(history.median(Figure::Frame), expected[HISTORY / 2]);
+    }
+
+    #[test]
+    fn an_axis_has_three_to_eight_round_marks() {
+        for largest in [0.002, 0.9, 1.0, 1.7, 3.0, 59.0, 106.0, 657.0, 2.47e6] {
+            let marks = largest / step(largest);
+            assert!((3.0 - 1e-9..7.6).contains(&marks), "{largest}: {marks}");
+        }
+        assert!((step(657.0) - 200.0).abs() < 1e-9);
+        assert!(step(0.0) > 0.0 && step(f64::NAN) > 0.0);
     }
 
     #[test]

@@ -38,7 +38,9 @@ struct CullKey {
 pub(crate) struct Missing {
     /// Pixels that show an object which is not drawn.
     pub(crate) pixels: u64,
-    /// The same per million pixels of the image.
+    /// Pixels of the image.
+    pub(crate) of: u64,
+    /// Missing pixels per million pixels of the image.
     pub(crate) ppm: f64,
     /// Objects that are seen and not drawn.
     pub(crate) objects: usize,
@@ -166,6 +168,8 @@ impl OpenScene {
             return Ok(());
         }
         let budget = match state.limit {
+            // What is exact has no budget.
+            _ if state.method == Method::Exact => Budget::Unlimited,
             Limit::None => Budget::Unlimited,
             Limit::Triangles => Budget::Triangles(state.triangles),
             Limit::Milliseconds => Budget::Milliseconds(state.milliseconds, &self.cost),
@@ -253,7 +257,8 @@ impl OpenScene {
                 objects.extend([nearest, transparent].into_iter().filter(|&object| lacks(object)));
             }
         }
-        Ok(Missing { pixels, ppm: pixels as f64 / items.nearest.len().max(1) as f64 * 1e6, objects: objects.len() })
+        let of = items.nearest.len() as u64;
+        Ok(Missing { pixels, of, ppm: pixels as f64 / of.max(1) as f64 * 1e6, objects: objects.len() })
     }
 
     /// Draws the scene into the canvas and waits for the GPU.

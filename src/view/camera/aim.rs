@@ -55,6 +55,7 @@ impl Aim {
     }
 
     /// Radians above the horizon.
+    #[cfg(test)]
     pub(crate) fn pitch(&self) -> f64 {
         self.pitch
     }

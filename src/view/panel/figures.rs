@@ -1,6 +1,6 @@
 //! Live figures.
 
-use super::style::{ERROR, FAINT, GOOD};
+use super::style::{FAINT, GOOD, NOTICE};
 use super::{Viewer, button};
 use crate::view::figures::{Figure, grouped};
 use crate::view::loading::file_name;
@@ -32,7 +32,7 @@ pub(super) fn header(ui: &mut Ui, viewer: &Viewer) {
 pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     let last = viewer.history.last();
     let total = viewer.scene.as_ref().map_or((0, 0), |scene| (scene.object_count(), scene.triangle_count()));
-    Grid::new("figures").num_columns(3).spacing([10.0, 3.0]).min_col_width(84.0).show(ui, |ui| {
+    Grid::new("figures").num_columns(3).spacing([10.0, 2.0]).min_col_width(84.0).min_row_height(16.0).show(ui, |ui| {
         let median = |figure| format!("median {:.1}", viewer.history.median(figure));
         row(
             ui,
@@ -77,17 +77,6 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
             "Estimated visible pixels of everything left out for its size or for the budget, per million pixels. \
              Objects that hide each other count each.",
         );
-        let measured = viewer.missing.map_or_else(|| "-".to_owned(), |missing| format!("{:.1} ppm", missing.ppm));
-        let detail = viewer
-            .missing
-            .map(|missing| format!("{} px, {} objects", grouped(missing.pixels), grouped(missing.objects as u64)));
-        row(
-            ui,
-            "Measured",
-            measured,
-            detail.unwrap_or_default(),
-            "Pixels of the present picture that should show an object which is not drawn, by item buffer.",
-        );
         if let Some(scene) = viewer.scene.as_ref().filter(|scene| scene.cost.frames() > 0) {
             row(
                 ui,
@@ -104,8 +93,15 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
             viewer.measure();
         }
         if let Some(missing) = viewer.missing {
-            let (text, color) = if missing.pixels == 0 { ("nothing", GOOD) } else { ("something", ERROR) };
-            ui.label(RichText::new(format!("{text} is missing")).color(color));
+            let color = if missing.pixels == 0 { GOOD } else { NOTICE };
+            ui.label(RichText::new(format!("{:.1} ppm", missing.ppm)).monospace().strong().color(color)).on_hover_text(
+                format!(
+                    "{} of {} pixels show one of {} objects that are not drawn",
+                    grouped(missing.pixels),
+                    grouped(missing.of),
+                    grouped(missing.objects as u64)
+                ),
+            );
         }
     });
 }

@@ -2,9 +2,9 @@
 
 use super::Viewer;
 use super::style::FAINT;
-use crate::view::figures::{Figure, HISTORY, short};
+use crate::view::figures::{Figure, HISTORY, short, step};
 use egui::{Color32, RichText, Ui};
-use egui_plot::{Line, Plot, PlotPoints};
+use egui_plot::{GridMark, Line, Plot, PlotPoints};
 
 pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     let history = &viewer.history;
@@ -21,6 +21,7 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
                 .enumerate()
                 .map(|(age, frame)| [-(age as f64), figure.of(frame)])
                 .collect();
+            let largest = points.iter().map(|point| point[1]).fold(1.0, f64::max);
             Plot::new(figure.title())
                 .height(ui.available_height().max(40.0))
                 .allow_drag(false)
@@ -35,13 +36,21 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
                 .y_axis_formatter(|mark, _| short(mark.value))
                 .include_x(-(HISTORY as f64))
                 .include_x(0.0)
+                .y_grid_spacer(move |_| marks(largest))
                 .include_y(0.0)
-                .include_y(1.0)
+                .include_y(largest * 1.1)
                 .show(ui, |plot| {
                     plot.line(Line::new(figure.title(), PlotPoints::from(points)).color(color(figure)).width(1.5));
                 });
         }
     });
+}
+
+/// Marks of an axis up to `largest` and one beyond.
+fn marks(largest: f64) -> Vec<GridMark> {
+    let step_size = step(largest);
+    let count = (largest / step_size) as usize + 1;
+    (0..=count).map(|index| GridMark { value: index as f64 * step_size, step_size }).collect()
 }
 
 fn color(figure: Figure) -> Color32 {

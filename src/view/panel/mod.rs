@@ -36,7 +36,7 @@ pub(crate) fn show(ui: &mut Ui, viewer: &mut Viewer, scene: Option<egui::Texture
 }
 
 fn sections(ui: &mut Ui, viewer: &mut Viewer) {
-    ui.add_space(6.0);
+    ui.add_space(4.0);
     figures::header(ui, viewer);
     section(ui, "Figures", |ui| figures::show(ui, viewer));
     section(ui, "Culling", |ui| culling::show(ui, viewer));
@@ -47,12 +47,8 @@ fn sections(ui: &mut Ui, viewer: &mut Viewer) {
 }
 
 fn section(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
-    ui.add_space(2.0);
-    ui.separator();
-    CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(true).show_unindented(ui, |ui| {
-        ui.add_space(2.0);
-        contents(ui);
-    });
+    ui.add(egui::Separator::default().spacing(5.0));
+    CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(true).show_unindented(ui, contents);
 }
 
 /// Notes where a control is, for tests that use the mouse.

@@ -10,7 +10,7 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     if let Some(picked) = viewer.picked.clone() {
         let name = picked.name.clone().unwrap_or_else(|| "(no name)".to_owned());
         ui.add(egui::Label::new(RichText::new(&name).strong()).truncate()).on_hover_text(name);
-        Grid::new("object").num_columns(2).spacing([10.0, 3.0]).min_col_width(84.0).show(ui, |ui| {
+        Grid::new("object").num_columns(2).spacing([10.0, 2.0]).min_col_width(84.0).min_row_height(16.0).show(ui, |ui| {
             ui.label("Object");
             ui.label(RichText::new(picked.object.to_string()).monospace());
             ui.end_row();

@@ -22,8 +22,9 @@ pub(crate) fn apply(context: &Context) {
         visuals.widgets.inactive.corner_radius = CornerRadius::same(3);
         visuals.slider_trailing_fill = true;
         style.visuals = visuals;
-        style.spacing.item_spacing = egui::vec2(8.0, 5.0);
-        style.spacing.button_padding = egui::vec2(8.0, 3.0);
+        style.spacing.item_spacing = egui::vec2(8.0, 4.0);
+        style.spacing.button_padding = egui::vec2(8.0, 2.0);
+        style.spacing.interact_size.y = 18.0;
         style.spacing.slider_width = 150.0;
         style.interaction.tooltip_delay = 0.4;
         style.text_styles.insert(TextStyle::Body, FontId::new(13.0, FontFamily::Proportional));
