@@ -34,8 +34,9 @@ pub(super) fn run(options: &ViewOptions) -> Result<(), ViewError> {
         (None, Some(output)) => Some(script::for_screenshot(output, options.frames.max(1))),
         (None, None) => None,
     };
-    let event_loop =
-        EventLoop::<Woken>::with_user_event().build().map_err(|error| ViewError::NoWindow(error.to_string()))?;
+    let event_loop = EventLoop::<Woken>::with_user_event()
+        .build()
+        .map_err(|error| ViewError::NoWindow(error.to_string()))?;
     let mut app = App {
         options: options.clone(),
         proxy: event_loop.create_proxy(),
@@ -82,7 +83,8 @@ impl Parts {
         let [width, height] = options.size.unwrap_or(SIZE);
         let attributes =
             Window::default_attributes().with_title("svs").with_inner_size(PhysicalSize::new(width, height));
-        let window = event_loop.create_window(attributes).map_err(|error| ViewError::NoWindow(error.to_string()))?;
+        let window =
+            event_loop.create_window(attributes).map_err(|error| ViewError::NoWindow(error.to_string()))?;
         let window = Arc::new(window);
         let display = Box::new(event_loop.owned_display_handle());
         let descriptor = wgpu::InstanceDescriptor::new_with_display_handle_from_env(display);
@@ -128,7 +130,8 @@ impl Parts {
         let context = self.egui.egui_ctx().clone();
         let output = context.run_ui(input, |ui| panel::show(ui, viewer, id));
         self.egui.handle_platform_output(&self.window, output.platform_output);
-        let repaint = output.viewport_output.get(&egui::ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay);
+        let repaint =
+            output.viewport_output.get(&egui::ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay);
 
         let is_new = self.canvas.as_ref().is_none_or(|canvas| canvas.size() != self.viewer.viewport);
         if is_new {

@@ -15,7 +15,9 @@ pub enum ViewError {
     #[error("cannot draw on the window: {0}")]
     Surface(String),
     /// No format of the window's surface can be used.
-    #[error("cannot draw on the window: {adapter} offers it no format of 8 bits per channel (it has {formats})")]
+    #[error(
+        "cannot draw on the window: {adapter} offers it no format of 8 bits per channel (it has {formats})"
+    )]
     NoSurfaceFormat {
         /// Which GPU.
         adapter: String,

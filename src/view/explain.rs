@@ -39,7 +39,8 @@ pub(crate) fn sentence(reason: &Reason, drawn: bool, budget: bool) -> String {
         _ => "the runtime gives a reason this viewer does not know".to_owned(),
     };
     if reason.is_drawn() && !drawn {
-        let left_out = if budget { "left out: it did not fit into the budget" } else { "not drawn by this method" };
+        let left_out =
+            if budget { "left out: it did not fit into the budget" } else { "not drawn by this method" };
         return format!("{left_out} (else {why})");
     }
     why
@@ -73,7 +74,10 @@ mod tests {
         );
         assert!(sentence(&sphere, false, true).starts_with("left out: it did not fit"));
         assert!(sentence(&Reason::TooSmall { pixels: 0.42, node: 1 }, false, false).contains("0.4 pixels"));
-        assert!(sentence(&Reason::Frustum { spheres: 0, disturbed: false }, true, false).contains("nothing was baked"));
+        assert!(
+            sentence(&Reason::Frustum { spheres: 0, disturbed: false }, true, false)
+                .contains("nothing was baked")
+        );
         assert!(sentence(&Reason::UserHidden, false, false).contains("hidden"));
     }
 

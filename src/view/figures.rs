@@ -12,11 +12,11 @@ pub(crate) struct FrameFigures {
     pub(crate) frame_ms: f64,
     /// What culling took, microseconds.
     pub(crate) cull_us: f64,
-    /// Objects drawn.
+    /// Objects that culling lets through.
     pub(crate) objects: usize,
     /// Draw calls.
     pub(crate) draws: usize,
-    /// Triangles drawn.
+    /// Triangles of these objects.
     pub(crate) triangles: u64,
     /// Estimated pixels of what was left out for its size or the budget, per million pixels of the image.
     pub(crate) estimated_missing_ppm: f64,

@@ -17,6 +17,7 @@ pub(crate) enum Shortcut {
     ShowAll,
     Freeze,
     Skipped,
+    SkippedBoxes,
     Spheres,
     Measure,
     NextMethod,
@@ -44,7 +45,8 @@ pub(crate) const BINDINGS: [Binding; 22] = [
     (KeyCode::KeyH, "H", Shortcut::Hide, "hide or show the selected object"),
     (KeyCode::KeyU, "U", Shortcut::ShowAll, "show all hidden objects"),
     (KeyCode::KeyX, "X", Shortcut::Freeze, "freeze culling, fly out and look"),
-    (KeyCode::KeyK, "K", Shortcut::Skipped, "show what is skipped (while frozen)"),
+    (KeyCode::KeyK, "K", Shortcut::Skipped, "show what is skipped, in red (while frozen)"),
+    (KeyCode::KeyJ, "J", Shortcut::SkippedBoxes, "show boxes of what is skipped (while frozen)"),
     (KeyCode::KeyO, "O", Shortcut::Spheres, "show the spheres in use"),
     (KeyCode::KeyM, "M", Shortcut::Measure, "measure what is missing now"),
     (KeyCode::KeyV, "V", Shortcut::NextMethod, "next method"),
@@ -54,7 +56,6 @@ pub(crate) const BINDINGS: [Binding; 22] = [
     (KeyCode::KeyG, "G", Shortcut::Graphs, "graphs"),
     (KeyCode::F10, "F10", Shortcut::Panel, "panel"),
     (KeyCode::F1, "F1", Shortcut::Help, "this help"),
-    (KeyCode::Slash, "/", Shortcut::Help, "this help"),
     (KeyCode::Escape, "Esc", Shortcut::Leave, "close help, unselect"),
 ];
 
@@ -91,8 +92,8 @@ impl Held {
         let any = |codes: &[KeyCode]| codes.iter().any(|code| self.0.contains(code));
         let axis = |plus: &[KeyCode], minus: &[KeyCode]| f64::from(any(plus)) - f64::from(any(minus));
         use KeyCode::{
-            ArrowDown, ArrowLeft, ArrowRight, ArrowUp, KeyA, KeyC, KeyD, KeyE, KeyQ, KeyS, KeyW, PageDown, PageUp,
-            ShiftLeft, ShiftRight, Space,
+            ArrowDown, ArrowLeft, ArrowRight, ArrowUp, KeyA, KeyC, KeyD, KeyE, KeyQ, KeyS, KeyW, PageDown,
+            PageUp, ShiftLeft, ShiftRight, Space,
         };
         Motion {
             right: axis(&[KeyD, ArrowRight], &[KeyA, ArrowLeft]),

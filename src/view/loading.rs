@@ -32,7 +32,12 @@ impl Loading {
         let (file, begun) = (path.clone(), Instant::now());
         std::thread::spawn(move || {
             let opened = open(&gpu, &file);
-            let loaded = opened.map(|(stage, gpu_scene)| Loaded { path: file, stage, gpu_scene, took: begun.elapsed() });
+            let loaded = opened.map(|(stage, gpu_scene)| Loaded {
+                path: file,
+                stage,
+                gpu_scene,
+                took: begun.elapsed(),
+            });
             // Nobody waits any more when another file was opened meanwhile.
             let _ = sender.send(loaded);
             wake();

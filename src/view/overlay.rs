@@ -13,6 +13,10 @@ pub(crate) const MOST_SPHERES: usize = 400;
 pub(crate) const FRUSTUM_COLOUR: [u8; 4] = [255, 214, 64, 255];
 /// Colour of the selected object's box.
 pub(crate) const SELECTION_COLOUR: [u8; 4] = [255, 150, 30, 255];
+/// Boxes of skipped objects drawn at most.
+pub(crate) const MOST_BOXES: usize = 30_000;
+/// Colour of skipped objects' boxes.
+pub(crate) const SKIPPED_COLOUR: [u8; 4] = [235, 60, 50, 255];
 /// Colour of spheres.
 pub(crate) const SPHERE_COLOUR: [u8; 4] = [90, 200, 255, 255];
 

@@ -34,7 +34,9 @@ impl Tape {
 
     /// Ends recording and writes the path; says how many poses there are.
     pub(crate) fn save(&mut self, file: &Path, view: &View) -> Result<usize, String> {
-        let Self::Recording(recorder) = std::mem::take(self) else { return Err("nothing was recorded".to_owned()) };
+        let Self::Recording(recorder) = std::mem::take(self) else {
+            return Err("nothing was recorded".to_owned());
+        };
         let path = recorder
             .finish("recorded", view.vertical_fov, view.near)
             .ok_or_else(|| "nothing was recorded".to_owned())?;

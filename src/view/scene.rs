@@ -10,7 +10,9 @@ use crate::stage::{Method, Stage};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use svs_render::{Frame, Gpu, GpuScene, ItemBuffer, Line, NO_ITEM, Offscreen, RenderError, Renderer, View, wgpu};
+use svs_render::{
+    Frame, Gpu, GpuScene, ItemBuffer, Line, NO_ITEM, Offscreen, RenderError, Renderer, View, wgpu,
+};
 use svs_runtime::{Budget, CostModel, Settings};
 
 /// A camera and the size of its image: all that culling looks from.
@@ -175,8 +177,7 @@ impl OpenScene {
             Limit::Milliseconds => Budget::Milliseconds(state.milliseconds, &self.cost),
         };
         let begin = Instant::now();
-        let objects =
-            self.stage.cull(&eye.view, eye.width, eye.height, state.method, &key.settings, &budget);
+        let objects = self.stage.cull(&eye.view, eye.width, eye.height, state.method, &key.settings, &budget);
         self.cull_us = begin.elapsed().as_secs_f64() * 1e6;
         self.drawn.clear();
         self.drawn.extend_from_slice(objects);
@@ -281,12 +282,14 @@ impl OpenScene {
         if shown == Shown::Drawn {
             self.cost.record(statistics.triangles, statistics.objects as u64, frame_ms);
         }
+        // Skipped objects that are shown all the same do not count.
+        let triangles = |&object: &u32| u64::from(self.gpu_scene.triangles(object));
         FrameFigures {
             frame_ms,
             cull_us: self.cull_us,
-            objects: statistics.objects,
+            objects: self.drawn.len(),
             draws: statistics.draw_calls,
-            triangles: statistics.triangles,
+            triangles: self.drawn.iter().map(triangles).sum(),
             estimated_missing_ppm: self.estimated_missing_ppm,
         }
     }
@@ -320,6 +323,16 @@ impl OpenScene {
             let aspect = f64::from(at.width) / f64::from(at.height.max(1));
             let depth = (max - min).length();
             overlay::frustum(&at.view, aspect, depth, overlay::FRUSTUM_COLOUR, &mut self.lines);
+        }
+        if state.freeze && state.skipped_boxes {
+            let skipped = self.stage.order().iter().copied();
+            let skipped = skipped.filter(|&object| !self.is_drawn(object) && !self.is_hidden(object));
+            let mut lines = std::mem::take(&mut self.lines);
+            for object in skipped.take(overlay::MOST_BOXES) {
+                let (min, max) = self.stage.object_bounds(object);
+                overlay::edges(min, max, overlay::SKIPPED_COLOUR, &mut lines);
+            }
+            self.lines = lines;
         }
         if state.spheres {
             for sphere in self.spheres_in_use(&at, state) {
@@ -361,8 +374,7 @@ impl OpenScene {
             return "drawn always: culling does not know it".to_owned();
         };
         let camera = Stage::camera(&eye.view, eye.width, eye.height);
-        let settings =
-            if state.method == Method::Frustum { Settings::FRUSTUM } else { state.settings() };
+        let settings = if state.method == Method::Frustum { Settings::FRUSTUM } else { state.settings() };
         let reason = self.stage.culler().explain(draw, &camera, &settings);
         super::explain::sentence(&reason, drawn, state.limit != Limit::None)
     }

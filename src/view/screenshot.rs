@@ -21,7 +21,11 @@ pub(crate) fn save(gpu: &Gpu, texture: &wgpu::Texture, path: &Path) -> Result<()
         texture.as_image_copy(),
         wgpu::TexelCopyBufferInfo {
             buffer: &buffer,
-            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None },
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(padded),
+                rows_per_image: None,
+            },
         },
         texture.size(),
     );
@@ -29,10 +33,7 @@ pub(crate) fn save(gpu: &Gpu, texture: &wgpu::Texture, path: &Path) -> Result<()
     buffer.map_async(wgpu::MapMode::Read, .., |_| {});
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(error.to_string()))?;
     let mapped = buffer.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;
-    let blue_first = matches!(
-        texture.format().remove_srgb_suffix(),
-        wgpu::TextureFormat::Bgra8Unorm
-    );
+    let blue_first = matches!(texture.format().remove_srgb_suffix(), wgpu::TextureFormat::Bgra8Unorm);
     let mut rgb = Vec::with_capacity(width as usize * height as usize * 3);
     for line in mapped.chunks(padded as usize) {
         for texel in line[..row as usize].chunks(4) {

@@ -31,6 +31,8 @@ pub(crate) enum Step {
     Freeze(bool),
     /// Show what is skipped.
     Skipped(bool),
+    /// Show boxes of what is skipped.
+    SkippedBoxes(bool),
     /// Show spheres.
     Spheres(bool),
     /// What colours mean.

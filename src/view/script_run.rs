@@ -88,6 +88,7 @@ impl Script {
             Step::NoBudget => state.limit = Limit::None,
             Step::Freeze(on) => state.freeze = on,
             Step::Skipped(on) => state.skipped = on,
+            Step::SkippedBoxes(on) => state.skipped_boxes = on,
             Step::Spheres(on) => state.spheres = on,
             Step::Colours(colours) => state.colours = colours,
             Step::Continuous(on) => state.continuous = on,

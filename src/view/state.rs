@@ -68,6 +68,8 @@ pub(crate) struct State {
     pub(crate) freeze: bool,
     /// While frozen: what is skipped is drawn too, in red.
     pub(crate) skipped: bool,
+    /// While frozen: boxes of what is skipped are drawn, to look through.
+    pub(crate) skipped_boxes: bool,
     /// Spheres in use are drawn.
     pub(crate) spheres: bool,
     /// What colours mean.
@@ -101,6 +103,7 @@ impl Default for State {
             milliseconds: 16.0,
             freeze: false,
             skipped: false,
+            skipped_boxes: false,
             spheres: false,
             colours: Colours::Material,
             continuous: false,
@@ -124,7 +127,8 @@ impl State {
     /// Brings values back into their ranges; scripts may set anything.
     pub(crate) fn check(&mut self) {
         self.quality = if self.quality.is_nan() { DEFAULT_QUALITY } else { self.quality.clamp(0.0, 1.0) };
-        self.sphere_limit = if self.sphere_limit.is_nan() { 90.0 } else { self.sphere_limit.clamp(0.0, 90.0) };
+        self.sphere_limit =
+            if self.sphere_limit.is_nan() { 90.0 } else { self.sphere_limit.clamp(0.0, 90.0) };
         self.triangles = self.triangles.max(1);
         self.milliseconds =
             if self.milliseconds.is_nan() { 16.0 } else { self.milliseconds.clamp(0.1, 10_000.0) };

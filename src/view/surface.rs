@@ -105,7 +105,9 @@ impl WindowSurface {
 /// egui blends in the space of the display.
 fn choose_format(formats: &[wgpu::TextureFormat]) -> Option<wgpu::TextureFormat> {
     use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
-    [Rgba8Unorm, Bgra8Unorm, Rgba8UnormSrgb, Bgra8UnormSrgb].into_iter().find(|format| formats.contains(format))
+    [Rgba8Unorm, Bgra8Unorm, Rgba8UnormSrgb, Bgra8UnormSrgb]
+        .into_iter()
+        .find(|format| formats.contains(format))
 }
 
 #[cfg(test)]
@@ -116,7 +118,10 @@ mod tests {
     #[test]
     fn only_formats_of_eight_bits_are_chosen() {
         assert_eq!(choose_format(&[Format::Bgra8UnormSrgb, Format::Bgra8Unorm]), Some(Format::Bgra8Unorm));
-        assert_eq!(choose_format(&[Format::Rgba16Float, Format::Bgra8UnormSrgb]), Some(Format::Bgra8UnormSrgb));
+        assert_eq!(
+            choose_format(&[Format::Rgba16Float, Format::Bgra8UnormSrgb]),
+            Some(Format::Bgra8UnormSrgb)
+        );
         assert_eq!(choose_format(&[Format::Rgba16Float]), None);
     }
 }

@@ -124,7 +124,8 @@ impl Viewer {
                 if let Some(view) = self.camera.take() {
                     self.rig.set_view(&view);
                 }
-                self.message = scene.stage.notice().map(|text| Message { text: text.to_owned(), error: false });
+                self.message =
+                    scene.stage.notice().map(|text| Message { text: text.to_owned(), error: false });
                 self.state.forget_scene();
                 if !scene.has(self.state.colours) {
                     self.state.colours = super::state::Colours::Material;
@@ -169,7 +170,13 @@ impl Viewer {
         let Some(scene) = &mut self.scene else { return Ok(()) };
         let key = PictureKey {
             eye,
-            state: State { help: false, panel: true, graphs: false, path_file: String::new(), ..self.state.clone() },
+            state: State {
+                help: false,
+                panel: true,
+                graphs: false,
+                path_file: String::new(),
+                ..self.state.clone()
+            },
             scene: self.scenes,
             hidden: scene.hidden_count(),
         };
@@ -193,17 +200,18 @@ impl Viewer {
     fn describe(&mut self) {
         let eye = self.eye();
         let Some(scene) = &mut self.scene else { return };
-        self.picked = self.state.selected.filter(|&object| (object as usize) < scene.object_count()).map(|object| {
-            let index = object as usize;
-            Picked {
-                object,
-                name: scene.stage.names.get(index).cloned().flatten(),
-                triangles: scene.stage.triangles().get(index).copied().unwrap_or(0),
-                drawn: scene.is_drawn(object),
-                hidden: scene.is_hidden(object),
-                why: scene.explain(object, &eye, &self.state),
-            }
-        });
+        self.picked =
+            self.state.selected.filter(|&object| (object as usize) < scene.object_count()).map(|object| {
+                let index = object as usize;
+                Picked {
+                    object,
+                    name: scene.stage.names.get(index).cloned().flatten(),
+                    triangles: scene.stage.triangles().get(index).copied().unwrap_or(0),
+                    drawn: scene.is_drawn(object),
+                    hidden: scene.is_hidden(object),
+                    why: scene.explain(object, &eye, &self.state),
+                }
+            });
     }
 
     /// A click at a pixel of the picture: selects what is there, or nothing.
@@ -319,12 +327,14 @@ impl Viewer {
             Shortcut::Record => self.record(!self.tape.is_recording()),
             Shortcut::Play => self.play(!self.tape.is_playing()),
             Shortcut::Hide => {
-                let hidden = state.selected.zip(self.scene.as_ref()).is_some_and(|(o, scene)| scene.is_hidden(o));
+                let hidden =
+                    state.selected.zip(self.scene.as_ref()).is_some_and(|(o, scene)| scene.is_hidden(o));
                 self.hide_selected(!hidden);
             }
             Shortcut::ShowAll => self.show_all(),
             Shortcut::Freeze => state.freeze = !state.freeze,
             Shortcut::Skipped => state.skipped = !state.skipped,
+            Shortcut::SkippedBoxes => state.skipped_boxes = !state.skipped_boxes,
             Shortcut::Spheres => state.spheres = !state.spheres,
             Shortcut::Measure => self.measure(),
             Shortcut::NextMethod => state.next_method(),

@@ -57,7 +57,8 @@ fn frozen_culling_keeps_what_is_drawn_while_the_camera_flies_out() {
             {"freeze": true}, {"camera": "orbit"}, {"drag": [180, 90]}, {"wheel": -8}, {"frames": 3},
             {"dump": "frozen.json"}, {"screenshot": "drawn.png"},
             {"skipped": true}, {"dump": "skipped.json"}, {"screenshot": "skipped.png"},
-            {"skipped": false}, {"quality": 0}, {"dump": "coarse.json"},
+            {"skipped": false}, {"skipped_boxes": true}, {"screenshot": "boxes.png"}, {"skipped_boxes": false},
+            {"quality": 0}, {"dump": "coarse.json"},
             {"quality": 0.5}, {"freeze": false}, {"dump": "after.json"},
         ]),
     );
@@ -69,9 +70,10 @@ fn frozen_culling_keeps_what_is_drawn_while_the_camera_flies_out() {
     assert_ne!(before["drawn"], after["drawn"]);
     // What is skipped is drawn in addition, and shows.
     assert_eq!(skipped["drawn"], frozen["drawn"]);
-    assert_eq!(skipped["figures"]["objects"], skipped["objects"]);
+    assert_eq!(skipped["figures"]["triangles"], frozen["figures"]["triangles"]);
     let red = |name: &str| stand.share(name, |[r, g, b]| r > 90 && r > 2 * g.max(b));
     assert!(red("skipped.png") > red("drawn.png") + 0.005, "{} {}", red("skipped.png"), red("drawn.png"));
+    assert!(red("boxes.png") > red("drawn.png") + 0.001, "{} {}", red("boxes.png"), red("drawn.png"));
     // Settings still count, from the frozen camera.
     assert!(number(&coarse["figures"]["objects"]) < number(&frozen["figures"]["objects"]));
 }
@@ -155,7 +157,7 @@ fn cameras_colours_spheres_graphs_and_keys_work() {
             {"spheres": true}, {"dump": "spheres.json"}, {"screenshot": "spheres.png"}, {"spheres": false},
             {"key": "G"}, {"frames": 2}, {"dump": "graphs.json"}, {"key": "F1"}, {"dump": "help.json"},
             {"screenshot": "help.png"}, {"key": "Esc"}, {"key": "F10"}, {"frames": 2}, {"dump": "closed.json"},
-            {"key": "V"}, {"key": "]"}, {"key": "]"}, {"key": "["}, {"key": "X"}, {"key": "K"}, {"key": "O"},
+            {"key": "V"}, {"key": "]"}, {"key": "]"}, {"key": "["}, {"key": "X"}, {"key": "K"}, {"key": "J"}, {"key": "O"},
             {"key": "M"}, {"dump": "keys.json"}, {"continuous": true}, {"frames": 5}, {"dump": "continuous.json"},
         ]),
     );
@@ -171,7 +173,8 @@ fn cameras_colours_spheres_graphs_and_keys_work() {
     assert!((step / expected - 1.0).abs() < 0.15, "{step} m, expected {expected} m");
     assert!(distance(eye("gone-faster"), eye("gone")) > 4.0 * step);
     assert!(eye("risen")[1] > eye("gone-faster")[1]);
-    let pictures = ["material", "object", "level", "importance"].map(|name| stand.picture(&format!("{name}.png")));
+    let pictures =
+        ["material", "object", "level", "importance"].map(|name| stand.picture(&format!("{name}.png")));
     for (index, a) in pictures.iter().enumerate() {
         for b in &pictures[index + 1..] {
             assert!(stand.differing(a, b) > 0.02, "two colour modes look alike");
@@ -185,11 +188,14 @@ fn cameras_colours_spheres_graphs_and_keys_work() {
     assert_eq!(dump("start")["viewport"], json!([952, 800]));
     assert!(number(&dump("graphs")["viewport"][1]) < 700.0);
     assert_eq!(dump("closed")["viewport"][0], 1280);
-    assert_eq!((&dump("help")["state"]["help"], &dump("closed")["state"]["help"]), (&json!(true), &json!(false)));
+    assert_eq!(
+        (&dump("help")["state"]["help"], &dump("closed")["state"]["help"]),
+        (&json!(true), &json!(false))
+    );
     let keys = dump("keys");
     assert_eq!(keys["state"]["method"], "exact");
     assert!((number(&keys["state"]["quality"]) - 0.55).abs() < 1e-5);
-    for on in ["freeze", "skipped", "spheres"] {
+    for on in ["freeze", "skipped", "skipped_boxes", "spheres"] {
         assert_eq!(keys["state"][on], true, "{on}");
     }
     assert_eq!(keys["missing"]["pixels"], 0);
@@ -201,6 +207,9 @@ fn cameras_colours_spheres_graphs_and_keys_work() {
 fn nothing_is_drawn_anew_while_nothing_changes() {
     let stand = Stand::new();
     let boxes = stand.sample("boxes", "0.02");
-    stand.script(&boxes, &json!([{"frames": 3}, {"dump": "before.json"}, {"frames": 10}, {"dump": "after.json"}]));
+    stand.script(
+        &boxes,
+        &json!([{"frames": 3}, {"dump": "before.json"}, {"frames": 10}, {"dump": "after.json"}]),
+    );
     assert_eq!(stand.dump("before.json")["frames"], stand.dump("after.json")["frames"]);
 }

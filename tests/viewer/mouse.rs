@@ -72,6 +72,7 @@ fn mouse_and_keyboard_move_cameras_and_change_settings() {
     let frozen = open.state()["state"]["freeze"].clone();
     let (x, y) = open.middle("path_file");
     stand.display.xdotool(&format!("mousemove {x} {y} click --repeat 3 1 sleep 0.2 type xr"));
-    let typed = open.until("typed text", |state| state["state"]["path_file"].as_str().is_some_and(|t| t.contains("xr")));
+    let typed = open
+        .until("typed text", |state| state["state"]["path_file"].as_str().is_some_and(|t| t.contains("xr")));
     assert_eq!((&typed["state"]["freeze"], &typed["tape"]), (&frozen, &json!("")));
 }

@@ -12,13 +12,15 @@ impl Stand {
     /// Share of a picture's pixels that are of some kind.
     pub(crate) fn share(&self, name: &str, is: impl Fn([u8; 3]) -> bool) -> f64 {
         let picture = self.picture(name);
-        picture.pixels().filter(|pixel| is(pixel.0)).count() as f64 / f64::from(picture.width() * picture.height())
+        picture.pixels().filter(|pixel| is(pixel.0)).count() as f64
+            / f64::from(picture.width() * picture.height())
     }
 
     /// Share of pixels in which two pictures differ visibly.
     pub(crate) fn differing(&self, a: &RgbImage, b: &RgbImage) -> f64 {
         assert_eq!(a.dimensions(), b.dimensions());
-        let differ = |(a, b): (&image::Rgb<u8>, &image::Rgb<u8>)| (0..3).any(|c| a.0[c].abs_diff(b.0[c]) > 24);
+        let differ =
+            |(a, b): (&image::Rgb<u8>, &image::Rgb<u8>)| (0..3).any(|c| a.0[c].abs_diff(b.0[c]) > 24);
         a.pixels().zip(b.pixels()).filter(|&pair| differ(pair)).count() as f64 / a.pixels().len() as f64
     }
 }

@@ -113,7 +113,10 @@ impl<'a> Open<'a> {
         let begin = Instant::now();
         let mut last = Value::Null;
         while begin.elapsed() < PATIENCE / 4 {
-            assert!(self.child.try_wait().expect("it can be asked").is_none(), "the window is gone before {what}");
+            assert!(
+                self.child.try_wait().expect("it can be asked").is_none(),
+                "the window is gone before {what}"
+            );
             if self.stand.path("state.json").exists() {
                 last = self.state();
                 if holds(&last) {
@@ -129,7 +132,8 @@ impl<'a> Open<'a> {
     #[track_caller]
     pub(crate) fn middle(&self, control: &str) -> (i64, i64) {
         let place = &self.state()["places"][control];
-        let at = |index: usize| place[index].as_f64().unwrap_or_else(|| panic!("there is no control {control}"));
+        let at =
+            |index: usize| place[index].as_f64().unwrap_or_else(|| panic!("there is no control {control}"));
         ((at(0) + at(2) * 0.5) as i64, (at(1) + at(3) * 0.5) as i64)
     }
 

@@ -171,7 +171,10 @@ fn nothing_makes_a_camera_that_is_not_finite() {
                 rig.frame(Some((DVec3::splat(a), DVec3::splat(a))), a);
                 rig.set_view(&View { eye: DVec3::splat(a), ..rig.view() });
                 let view = rig.view();
-                assert!(view.eye.is_finite() && view.forward.is_finite() && view.up.is_finite(), "{a} {mode:?}");
+                assert!(
+                    view.eye.is_finite() && view.forward.is_finite() && view.up.is_finite(),
+                    "{a} {mode:?}"
+                );
             }
         }
     }

@@ -44,13 +44,13 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     });
     ui.horizontal(|ui| {
         let recording = viewer.tape.is_recording();
-        let label = if recording { "⏹ Stop and save" } else { "⏺ Record" };
+        let label = if recording { "Stop and save" } else { "Record" };
         let hover = "Records the camera whenever it moves; walking is slower meanwhile (key R).";
         if button(ui, viewer, "record", label, hover) {
             viewer.record(!recording);
         }
         let playing = viewer.tape.is_playing();
-        let label = if playing { "⏹ Stop" } else { "▶ Play" };
+        let label = if playing { "Stop" } else { "Play" };
         if button(ui, viewer, "play", label, "Flies along the path file (key P).") {
             viewer.play(!playing);
         }

@@ -14,13 +14,16 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     ui.add_enabled_ui(budgets, |ui| budget(ui, viewer));
     ui.add_space(2.0);
     ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 6.0;
         let hover = "What is drawn stays as it is: fly out and look at it from elsewhere (key X). Yellow lines show the \
                      camera culling goes on looking from.";
         checkbox(ui, viewer, "freeze", "Freeze culling", hover, |viewer| &mut viewer.state.freeze);
         let frozen = viewer.state.freeze;
         ui.add_enabled_ui(frozen, |ui| {
             let hover = "While frozen: draws what is skipped too, in red (key K).";
-            checkbox(ui, viewer, "skipped", "show skipped", hover, |viewer| &mut viewer.state.skipped);
+            checkbox(ui, viewer, "skipped", "skipped", hover, |viewer| &mut viewer.state.skipped);
+            let hover = "While frozen: draws red boxes around what is skipped, to look through (key J).";
+            checkbox(ui, viewer, "skipped_boxes", "as boxes", hover, |viewer| &mut viewer.state.skipped_boxes);
         });
     });
 }
@@ -32,15 +35,20 @@ fn method(ui: &mut Ui, viewer: &mut Viewer) {
             let (name, label, hover) = match method {
                 Method::Nothing => ("nothing", "Nothing", "Culls nothing: draws the whole file."),
                 Method::Frustum => ("frustum", "Frustum", "Draws what lies in the frustum."),
-                Method::Visibility => {
-                    ("visibility", "Visibility", "Draws what the baked visibility says can be seen from here.")
-                }
-                Method::Exact => {
-                    ("exact", "Exact", "Draws exactly what shows in an item buffer of this frame. Slow: the yardstick.")
-                }
+                Method::Visibility => (
+                    "visibility",
+                    "Visibility",
+                    "Draws what the baked visibility says can be seen from here.",
+                ),
+                Method::Exact => (
+                    "exact",
+                    "Exact",
+                    "Draws exactly what shows in an item buffer of this frame. Slow: the yardstick.",
+                ),
             };
             let chosen = viewer.state.method == method;
-            let response = ui.selectable_label(chosen, label).on_hover_text(format!("{hover} Key V: next method."));
+            let response =
+                ui.selectable_label(chosen, label).on_hover_text(format!("{hover} Key V: next method."));
             if response.clicked() {
                 viewer.state.method = method;
             }
@@ -58,8 +66,10 @@ fn quality(ui: &mut Ui, viewer: &mut Viewer) {
     place(viewer, "quality", &response);
     ui.label(RichText::new(thresholds(&viewer.state)).small().color(FAINT))
         .on_hover_text("The smallest estimated size (tau), in visible pixels, that is drawn.");
-    let slider =
-        Slider::new(&mut viewer.state.sphere_limit, 0.0..=90.0).text("sphere limit").suffix("°").fixed_decimals(0);
+    let slider = Slider::new(&mut viewer.state.sphere_limit, 0.0..=90.0)
+        .text("sphere limit")
+        .suffix("°")
+        .fixed_decimals(0);
     let response = ui.add(slider).on_hover_text(
         "A sphere decides only if it appears at most this large (half-angle). Smaller: fewer spheres are used, more is \
          drawn. 0°: plain frustum culling.",
@@ -76,7 +86,12 @@ fn thresholds(state: &State) -> String {
         p if p < 10.0 => format!("{p:.1} px"),
         p => format!("{p:.0} px"),
     };
-    format!("draws from: own bin {}, triangle {}, ring {}", name(tau.nearest), name(tau.triangle), name(tau.ring))
+    format!(
+        "draws from: own bin {}, triangle {}, ring {}",
+        name(tau.nearest),
+        name(tau.triangle),
+        name(tau.ring)
+    )
 }
 
 fn budget(ui: &mut Ui, viewer: &mut Viewer) {
@@ -108,7 +123,8 @@ fn budget(ui: &mut Ui, viewer: &mut Viewer) {
         }
         Limit::Milliseconds => {
             let slider = Slider::new(&mut viewer.state.milliseconds, 0.5..=500.0).logarithmic(true);
-            ui.add(slider.text("per frame").suffix(" ms")).on_hover_text("Milliseconds per frame, as predicted.")
+            ui.add(slider.text("per frame").suffix(" ms"))
+                .on_hover_text("Milliseconds per frame, as predicted.")
         }
     };
     place(viewer, "budget", &response);

@@ -40,7 +40,9 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
                 .include_y(0.0)
                 .include_y(largest * 1.1)
                 .show(ui, |plot| {
-                    plot.line(Line::new(figure.title(), PlotPoints::from(points)).color(color(figure)).width(1.5));
+                    plot.line(
+                        Line::new(figure.title(), PlotPoints::from(points)).color(color(figure)).width(1.5),
+                    );
                 });
         }
     });

@@ -48,7 +48,9 @@ fn sections(ui: &mut Ui, viewer: &mut Viewer) {
 
 fn section(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
     ui.add(egui::Separator::default().spacing(5.0));
-    CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(true).show_unindented(ui, contents);
+    CollapsingHeader::new(egui::RichText::new(title).strong())
+        .default_open(true)
+        .show_unindented(ui, contents);
 }
 
 /// Notes where a control is, for tests that use the mouse.
@@ -58,7 +60,14 @@ fn place(viewer: &mut Viewer, name: &'static str, response: &Response) {
 }
 
 /// A checkbox that is noted under its name.
-fn checkbox(ui: &mut Ui, viewer: &mut Viewer, name: &'static str, label: &str, hover: &str, value: impl Fn(&mut Viewer) -> &mut bool) {
+fn checkbox(
+    ui: &mut Ui,
+    viewer: &mut Viewer,
+    name: &'static str,
+    label: &str,
+    hover: &str,
+    value: impl Fn(&mut Viewer) -> &mut bool,
+) {
     let response = ui.checkbox(value(viewer), label).on_hover_text(hover);
     place(viewer, name, &response);
 }

@@ -10,14 +10,19 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     if let Some(picked) = viewer.picked.clone() {
         let name = picked.name.clone().unwrap_or_else(|| "(no name)".to_owned());
         ui.add(egui::Label::new(RichText::new(&name).strong()).truncate()).on_hover_text(name);
-        Grid::new("object").num_columns(2).spacing([10.0, 2.0]).min_col_width(84.0).min_row_height(16.0).show(ui, |ui| {
-            ui.label("Object");
-            ui.label(RichText::new(picked.object.to_string()).monospace());
-            ui.end_row();
-            ui.label("Triangles");
-            ui.label(RichText::new(grouped(u64::from(picked.triangles))).monospace());
-            ui.end_row();
-        });
+        Grid::new("object")
+            .num_columns(2)
+            .spacing([10.0, 2.0])
+            .min_col_width(84.0)
+            .min_row_height(16.0)
+            .show(ui, |ui| {
+                ui.label("Object");
+                ui.label(RichText::new(picked.object.to_string()).monospace());
+                ui.end_row();
+                ui.label("Triangles");
+                ui.label(RichText::new(grouped(u64::from(picked.triangles))).monospace());
+                ui.end_row();
+            });
         let color = if picked.drawn { GOOD } else { NOTICE };
         ui.add(egui::Label::new(RichText::new(&picked.why).color(color)).wrap());
     } else {

@@ -20,6 +20,8 @@ pub(crate) fn apply(context: &Context) {
         visuals.window_fill = Color32::from_rgb(34, 36, 41);
         visuals.selection.bg_fill = Color32::from_rgb(38, 92, 150);
         visuals.widgets.inactive.corner_radius = CornerRadius::same(3);
+        visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(205);
+        visuals.window_shadow = egui::Shadow::NONE;
         visuals.slider_trailing_fill = true;
         style.visuals = visuals;
         style.spacing.item_spacing = egui::vec2(8.0, 4.0);

@@ -44,7 +44,10 @@ fn mouse(ui: &Ui, response: &Response, viewer: &mut Viewer, scale: f32) {
         let left = response.dragged_by(PointerButton::Primary);
         if left && !shift {
             viewer.rig.drag(right, down, height);
-        } else if left || response.dragged_by(PointerButton::Secondary) || response.dragged_by(PointerButton::Middle) {
+        } else if left
+            || response.dragged_by(PointerButton::Secondary)
+            || response.dragged_by(PointerButton::Middle)
+        {
             viewer.rig.pan(right, down, height);
         }
     }
@@ -70,7 +73,10 @@ fn mouse(ui: &Ui, response: &Response, viewer: &mut Viewer, scale: f32) {
 fn status(ui: &Ui, viewer: &mut Viewer, rect: Rect) {
     let mut lines: Vec<(String, Color32)> = Vec::new();
     if let Some(loading) = &viewer.loading {
-        lines.push((format!("loading {} … {:.0} s", loading.name(), loading.elapsed().as_secs_f64()), Color32::WHITE));
+        lines.push((
+            format!("loading {} … {:.0} s", loading.name(), loading.elapsed().as_secs_f64()),
+            Color32::WHITE,
+        ));
     }
     if viewer.state.freeze {
         let what = if viewer.state.skipped { "culling is frozen; red: skipped" } else { "culling is frozen" };
@@ -93,7 +99,7 @@ fn status(ui: &Ui, viewer: &mut Viewer, rect: Rect) {
                 ui.horizontal(|ui| {
                     let color = if message.error { ERROR } else { NOTICE };
                     ui.add(egui::Label::new(RichText::new(&message.text).color(color)).wrap());
-                    let response = ui.small_button("✕").on_hover_text("Close this message.");
+                    let response = ui.small_button("×").on_hover_text("Close this message.");
                     if response.clicked() {
                         viewer.message = None;
                     }
