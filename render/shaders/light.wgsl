@@ -1,8 +1,8 @@
 // One sun, sky above, ground below. The twin for tests is tests/common/light.rs.
 const SUN = vec3<f32>(0.3491, 0.8479, 0.3990);
-const SUN_COLOR = vec3<f32>(1.45, 1.40, 1.30);
-const SKY = vec3<f32>(0.42, 0.50, 0.62);
-const GROUND = vec3<f32>(0.22, 0.20, 0.18);
+const SUN_COLOR = vec3<f32>(0.85, 0.82, 0.77);
+const SKY = vec3<f32>(0.30, 0.34, 0.40);
+const GROUND = vec3<f32>(0.16, 0.15, 0.14);
 
 fn unit(v: vec3<f32>) -> vec3<f32> {
     return v * inverseSqrt(max(dot(v, v), 1e-30));

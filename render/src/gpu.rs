@@ -111,16 +111,33 @@ fn describe(info: &wgpu::AdapterInfo) -> String {
     format!("{}, {:?}", info.name, info.backend)
 }
 
+/// Hardware before software, and of two ways to one GPU not OpenGL: wgpu itself takes the first it finds.
+#[cfg(not(target_arch = "wasm32"))]
 async fn any(instance: &wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<wgpu::Adapter, GpuError> {
-    let options = wgpu::RequestAdapterOptions {
-        power_preference: wgpu::PowerPreference::from_env().unwrap_or(wgpu::PowerPreference::HighPerformance),
-        compatible_surface: surface,
-        ..Default::default()
+    let saves_power = wgpu::PowerPreference::from_env() == Some(wgpu::PowerPreference::LowPower);
+    let rank = |adapter: &wgpu::Adapter| {
+        let info = adapter.get_info();
+        let device = match info.device_type {
+            wgpu::DeviceType::DiscreteGpu if !saves_power => 0,
+            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::DiscreteGpu => 2,
+            wgpu::DeviceType::VirtualGpu => 3,
+            wgpu::DeviceType::Other => 4,
+            wgpu::DeviceType::Cpu => 5,
+        };
+        (device, info.backend == wgpu::Backend::Gl)
     };
-    instance
-        .request_adapter(&options)
-        .await
-        .map_err(|error| GpuError::NoAdapter { reason: error.to_string() })
+    let all = instance.enumerate_adapters(wgpu::Backends::all()).await;
+    let usable = |adapter: &wgpu::Adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface));
+    let best = all.into_iter().filter(usable).min_by_key(rank);
+    best.ok_or_else(|| GpuError::NoAdapter { reason: "no driver answers".to_owned() })
+}
+
+#[cfg(target_arch = "wasm32")]
+async fn any(instance: &wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<wgpu::Adapter, GpuError> {
+    let options = wgpu::RequestAdapterOptions { compatible_surface: surface, ..Default::default() };
+    let adapter = instance.request_adapter(&options).await;
+    adapter.map_err(|error| GpuError::NoAdapter { reason: error.to_string() })
 }
 
 async fn named(

@@ -72,6 +72,14 @@ impl Capacity<'_> {
         }
     }
 
+    /// A part of the budget less.
+    pub(crate) fn less(self, part: f64) -> Self {
+        match self {
+            Self::Triangles(most) => Self::Triangles(most.saturating_sub((most as f64 * part) as u64)),
+            Self::Milliseconds(most, model) => Self::Milliseconds(most - most.abs() * part, model),
+        }
+    }
+
     /// What is left after `load`, which fits.
     pub(crate) fn left(&self, load: Load) -> f64 {
         match self {

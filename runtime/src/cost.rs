@@ -3,21 +3,25 @@
 /// Predicts the time of a frame: a base, plus so much per triangle, plus so much per object drawn, none of them negative.
 ///
 /// The three are fitted to measured frames by recursive least squares (the normal equations are kept and fade by 2 % with
-/// each frame), relative to each frame's time, so that short and long frames count alike. Frames far off what the others
-/// say count less (Huber 1964). What the frames leave open is taken from [`Self::new`]'s prior.
+/// each frame), relative to each frame's time, so that short and long frames count alike. Single frames far off what the
+/// others say count less (Huber 1964); several in turn are taken for a change, and most of what was before is forgotten.
+/// What the frames leave open, the proportions of the three in [`Self::new`] decide.
 #[derive(Clone, Debug)]
 pub struct CostModel {
     /// Milliseconds: of an empty frame, per million triangles, per thousand objects.
     coefficients: [f64; 3],
-    /// Upper triangle of the weighted sum of `x xᵀ` in rows, and of `x · ms`.
+    /// Weighted sums over the frames of `x xᵀ` and of `x · ms`.
     matrix: [[f64; 3]; 3],
     right: [f64; 3],
     /// Relative errors of the latest predictions, a ring.
     errors: [f32; WINDOW],
     frames: usize,
+    /// Frames in turn that were surprisingly late (positive) or early (negative).
+    streak: i32,
 }
 
-/// Milliseconds before any frame was seen: of an empty frame, per million triangles, per thousand objects. A modest GPU.
+/// Milliseconds before any frame was seen: of an empty frame, per million triangles, per thousand objects. A modest GPU;
+/// later only the proportions matter.
 const PRIOR: [f64; 3] = [0.5, 10.0, 2.0];
 /// Share of its weight that a frame keeps with each further frame: about fifty count.
 const FADE: f64 = 0.98;
@@ -31,6 +35,10 @@ const TRUSTING: usize = 8;
 const OUTLIER: f64 = 2.5;
 /// Errors below this are never outliers.
 const SMALLEST_ERROR: f64 = 0.02;
+/// Outliers in turn, all late or all early, that are a change.
+const CHANGE: i32 = 6;
+/// Weight that earlier frames keep after a change.
+const KEPT: f64 = 0.02;
 
 /// Ranges that are believed.
 const MOST_TRIANGLES: f64 = 1e12;
@@ -41,7 +49,14 @@ const MOST_MS: f64 = 1e7;
 impl CostModel {
     /// Before it has seen a frame: 0.5 ms, 10 ms per million triangles and 2 ms per thousand objects.
     pub fn new() -> Self {
-        Self { coefficients: PRIOR, matrix: [[0.0; 3]; 3], right: [0.0; 3], errors: [0.0; WINDOW], frames: 0 }
+        Self {
+            coefficients: PRIOR,
+            matrix: [[0.0; 3]; 3],
+            right: [0.0; 3],
+            errors: [0.0; WINDOW],
+            frames: 0,
+            streak: 0,
+        }
     }
 
     /// Learns from a frame that drew `triangles` in `draws` objects (as [`crate::Selection`] counts them: objects, not
@@ -56,7 +71,17 @@ impl CostModel {
         // A late frame is an outlier by what it is above the prediction, an early one by what it is below.
         let surprise = (predicted - ms).abs() / predicted.max(LEAST_MS).min(ms.max(LEAST_MS) * 4.0);
         let limit = OUTLIER * self.error().max(SMALLEST_ERROR);
-        let trust = if self.frames < TRUSTING || surprise <= limit { 1.0 } else { limit / surprise };
+        let mut trust = if self.frames < TRUSTING || surprise <= limit { 1.0 } else { limit / surprise };
+        let side = if ms > predicted { 1 } else { -1 };
+        self.streak = match self.streak {
+            _ if surprise <= limit => 0,
+            streak if streak.signum() == side => streak + side,
+            _ => side,
+        };
+        if self.streak.abs() >= CHANGE {
+            self.matrix.iter_mut().flatten().chain(&mut self.right).for_each(|entry| *entry *= KEPT);
+            (self.streak, trust) = (0, 1.0);
+        }
         self.errors[self.frames % WINDOW] = error.min(f64::from(f32::MAX)) as f32;
         self.frames += 1;
         // Relative to the prediction once there is one worth the name: relative to the time itself, noise would pull the fit
@@ -121,11 +146,18 @@ impl CostModel {
     /// Solves for the coefficients: the least squares among those that are not negative, tried with each subset held at 0.
     fn fit(&mut self) {
         let (mut matrix, mut right) = (self.matrix, self.right);
+        // The prior's proportions at the speed of this machine: the one factor that fits best.
+        let product = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let speed = product(&right, &PRIOR) / product(&matrix.map(|row| product(&row, &PRIOR)), &PRIOR);
+        if !speed.is_finite() || speed <= 0.0 {
+            return;
+        }
+        let prior = PRIOR.map(|coefficient| coefficient * speed);
         for i in 0..3 {
             // A coefficient that is off by its own size costs the weight.
-            let ridge = PRIOR_WEIGHT / (PRIOR[i] * PRIOR[i]);
+            let ridge = PRIOR_WEIGHT / (prior[i] * prior[i]);
             matrix[i][i] += ridge;
-            right[i] += ridge * PRIOR[i];
+            right[i] += ridge * prior[i];
         }
         let mut best: Option<([f64; 3], f64)> = None;
         for free in 0..8_u8 {
@@ -185,3 +217,6 @@ fn solve(matrix: &[[f64; 3]; 3], right: &[f64; 3], free: u8) -> Option<[f64; 3]>
     }
     Some(x)
 }
+
+#[cfg(test)]
+mod tests;

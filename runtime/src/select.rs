@@ -22,6 +22,8 @@ pub(crate) struct Item {
     triangles: u32,
     /// Place in the list of candidates.
     index: u32,
+    /// It was drawn in the last frame.
+    again: bool,
 }
 
 /// Memory of the selection, kept from frame to frame.
@@ -31,10 +33,15 @@ pub(crate) struct Selector {
     /// Per candidate: bit 0 for the greedy set, bit 1 for the set with a forced first choice.
     taken: Vec<u8>,
     winner: u8,
+    /// Part of the budget that is not filled up with what was not drawn in the last frame.
+    reserve: f64,
 }
 
 /// The second set is tried if the first is worth less than this share of the bound.
 const GOOD_ENOUGH: f64 = 0.99;
+
+/// See [`Selector::reserve`]: room for the sizes of objects to change a little without pushing others out.
+const RESERVE: f64 = 1.0 / 64.0;
 
 /// Prefixes that are looked for by selection before the rest is sorted.
 const ROUNDS: usize = 12;
@@ -43,19 +50,21 @@ const GREEDY: u8 = 1;
 const FORCED: u8 = 2;
 
 impl Selector {
-    pub(crate) fn clear(&mut self) {
+    /// Forgets all candidates. `steady`: what was drawn in the last frame is to stay.
+    pub(crate) fn clear(&mut self, steady: bool) {
         self.items.clear();
+        self.reserve = if steady { RESERVE } else { 0.0 };
     }
 
-    /// The next candidate: its value (at least 0) and its triangles.
-    pub(crate) fn push(&mut self, value: f64, triangles: u32, capacity: &Capacity<'_>) {
+    /// The next candidate: its value (at least 0), its triangles, and whether it was drawn in the last frame.
+    pub(crate) fn push(&mut self, value: f64, triangles: u32, again: bool, capacity: &Capacity<'_>) {
         let value = if value > 0.0 { value.min(f64::from(f32::MAX)) } else { 0.0 };
         let weight = capacity.weight(triangles);
         // What costs nothing is worth most, whatever it shows.
         let worth =
             if weight > 0.0 { (value / weight).min(f64::from(f32::MAX)) as f32 } else { f32::INFINITY };
         let index = self.items.len() as u32;
-        self.items.push(Item { worth, value: value as f32, triangles, index });
+        self.items.push(Item { worth, value: value as f32, triangles, index, again });
     }
 
     /// Chooses among the candidates.
@@ -71,7 +80,7 @@ impl Selector {
         }
         let taken = &mut self.taken;
         let take = |item: &Item| taken[item.index as usize] |= GREEDY;
-        let greedy = fill(&mut self.items, capacity, Load::default(), true, take);
+        let greedy = fill(&mut self.items, capacity, Load::default(), Some(self.reserve), take);
         if greedy.value >= greedy.bound * GOOD_ENOUGH {
             return;
         }
@@ -93,7 +102,7 @@ impl Selector {
         taken[first.index as usize] |= FORCED;
         let take = |item: &Item| taken[item.index as usize] |= FORCED;
         let load = Load::default().plus(first.triangles);
-        let forced = fill(&mut self.items[1..], capacity, load, true, take);
+        let forced = fill(&mut self.items[1..], capacity, load, Some(self.reserve), take);
         if f64::from(first.value) + forced.value > greedy.value {
             self.winner = FORCED;
         }
@@ -105,7 +114,7 @@ impl Selector {
         if capacity.fits(Load::default()) {
             let taken = &mut self.taken;
             let take = |item: &Item| taken[item.index as usize] |= GREEDY;
-            fill(&mut self.items, capacity, Load::default(), false, take);
+            fill(&mut self.items, capacity, Load::default(), None, take);
         }
     }
 
@@ -128,48 +137,60 @@ struct Filled {
     bound: f64,
 }
 
-/// Takes items in order of worth, each if it still fits after those before it; or, if not `past_misfits`, up to the first
-/// that does not.
+/// Takes items in order of worth as long as they fit and then, if there is a `reserve`, what still fits: first of what was
+/// drawn in the last frame, then of the rest as long as the reserve is left.
 fn fill(
-    mut items: &mut [Item],
+    items: &mut [Item],
     capacity: &Capacity<'_>,
     mut spent: Load,
-    past_misfits: bool,
+    reserve: Option<f64>,
     mut take: impl FnMut(&Item),
 ) -> Filled {
-    let mut value = 0.0;
-    let mut bound = None;
-    for round in 0.. {
-        if round == ROUNDS {
-            // Rare: sizes so mixed that each prefix is short.
-            items.sort_unstable_by(by_worth);
-            for item in items.iter() {
-                let with = spent.plus(item.triangles);
-                if capacity.fits(with) {
-                    spent = with;
-                    value += f64::from(item.value);
-                    take(item);
-                }
-            }
-            break;
+    let end = prefix(items, capacity, &mut spent);
+    let (taken, rest) = items.split_at_mut(end);
+    let mut value: f64 = taken.iter().map(|item| f64::from(item.value)).sum();
+    taken.iter().for_each(&mut take);
+    let bound = value + rest.first().map_or(0.0, |misfit| f64::from(misfit.worth) * capacity.left(spent));
+    if let Some(reserve) = reserve {
+        let again = keep(rest, |item| item.again);
+        let (again, newcomers) = rest.split_at_mut(again);
+        for (items, capacity) in [(again, *capacity), (newcomers, capacity.less(reserve))] {
+            value += fill_up(items, &capacity, &mut spent, &mut take);
         }
-        let end = prefix(items, capacity, &mut spent);
-        let (taken, rest) = items.split_at_mut(end);
-        for item in taken.iter() {
+    }
+    Filled { value, bound }
+}
+
+/// Takes items in order of worth, each if it still fits after those before it, and returns their value.
+fn fill_up(
+    mut items: &mut [Item],
+    capacity: &Capacity<'_>,
+    spent: &mut Load,
+    mut take: impl FnMut(&Item),
+) -> f64 {
+    let mut value = 0.0;
+    for _ in 0..ROUNDS {
+        let kept = keep(items, |item| capacity.fits(spent.plus(item.triangles)));
+        let end = prefix(&mut items[..kept], capacity, spent);
+        let (taken, rest) = items[..kept].split_at_mut(end);
+        value += taken.iter().map(|item| f64::from(item.value)).sum::<f64>();
+        taken.iter().for_each(&mut take);
+        if rest.is_empty() {
+            return value;
+        }
+        items = rest;
+    }
+    // Rare: sizes so mixed that each run is short.
+    items.sort_unstable_by(by_worth);
+    for item in items.iter() {
+        let with = spent.plus(item.triangles);
+        if capacity.fits(with) {
+            *spent = with;
             value += f64::from(item.value);
             take(item);
         }
-        if round == 0 {
-            let part = rest.first().map_or(0.0, |misfit| f64::from(misfit.worth) * capacity.left(spent));
-            bound = Some(value + part);
-        }
-        let kept = keep(rest, |item| capacity.fits(spent.plus(item.triangles)));
-        if kept == 0 || !past_misfits {
-            break;
-        }
-        items = &mut rest[..kept];
     }
-    Filled { value, bound: bound.unwrap_or(value) }
+    value
 }
 
 /// Brings the longest run of the worthiest items that fits to the front, the first misfit behind it, and returns its
@@ -212,3 +233,6 @@ fn by_worth(a: &Item, b: &Item) -> Ordering {
     let worth = b.worth.total_cmp(&a.worth);
     worth.then(b.triangles.cmp(&a.triangles)).then(a.index.cmp(&b.index))
 }
+
+#[cfg(test)]
+mod tests;

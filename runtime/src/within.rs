@@ -135,13 +135,14 @@ impl SceneCuller {
         };
         if let Some(capacity) = &capacity {
             let mut before = within.chosen.iter().peekable();
-            within.selector.clear();
+            let steady = !published && within.hysteresis > 1.0 && !within.chosen.is_empty();
+            within.selector.clear(steady);
             for candidate in &within.candidates {
                 while before.next_if(|key| **key < candidate.key).is_some() {}
-                let again = before.peek().is_some_and(|key| **key == candidate.key) && !published;
+                let again = steady && before.peek().is_some_and(|key| **key == candidate.key);
                 let factor = if again { within.hysteresis } else { 1.0 };
                 let value = f64::from(candidate.pixels) * factor;
-                within.selector.push(value, candidate.triangles, capacity);
+                within.selector.push(value, candidate.triangles, again, capacity);
             }
             if published {
                 within.selector.choose_until_misfit(capacity);

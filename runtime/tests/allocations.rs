@@ -10,7 +10,9 @@ use common::{camera, camera_at, sample};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
-use svs_runtime::{Bounds, Culler, Draw, Placement, Query, SceneCuller, Settings, Tree, Visibility};
+use svs_runtime::{
+    Bounds, Budget, CostModel, Culler, Draw, Placement, Query, SceneCuller, Settings, Tree, Visibility,
+};
 
 thread_local! {
     /// Allocations of this thread: the test runner has threads of its own.
@@ -112,12 +114,31 @@ fn a_scene_culler_never_allocates_once_warm() {
     let visibility = Visibility::new(trees.into()).unwrap();
     let mut culler = SceneCuller::new(&visibility, &bounds).unwrap();
     culler.set_hidden(Draw { tree: 1, anchor: 1, object: 0 }, true);
+    for (tree, bounds) in bounds.iter().enumerate() {
+        culler.set_triangles(tree as u32, &vec![7; bounds.len()]).unwrap();
+    }
+    let others = sample(3, true).bounds;
+    culler.set_loose(&others, &vec![9; others.len()]).unwrap();
     let settings = settings();
-    let round = |culler: &mut SceneCuller| {
+    let mut model = CostModel::new();
+    let mut round = |culler: &mut SceneCuller| {
         let mut drawn = 0;
         for frame in 0..20 {
             let camera = camera(frame);
-            drawn += settings.iter().map(|settings| culler.cull(&camera, settings).len()).sum::<usize>();
+            for settings in &settings {
+                drawn += culler.cull(&camera, settings).len();
+                for budget in [
+                    Budget::Unlimited,
+                    Budget::Triangles(100),
+                    Budget::Triangles(300),
+                    Budget::StopAtFirstMisfit(300),
+                    Budget::Milliseconds(0.6, &model),
+                ] {
+                    drawn += culler.cull_within(&camera, settings, &budget).len();
+                }
+                let chosen = culler.selection();
+                model.record(chosen.chosen_triangles, chosen.chosen as u64, 1.0);
+            }
         }
         drawn
     };

@@ -3,7 +3,9 @@
 mod common;
 
 use common::{Random, camera, camera_at, sample};
+use glam::DVec3;
 use proptest::prelude::*;
+use std::collections::HashSet;
 use svs_runtime::{
     Bounds, BoundsError, Budget, Camera, CostModel, Draw, LOOSE, Nested, Placement, Query, Reason,
     SceneCuller, Settings, Tau, Tree, Visibility,
@@ -183,4 +185,104 @@ fn small_things_that_are_dropped_are_counted() {
         some |= before > 0.0;
     }
     assert!(some);
+}
+
+/// Boxes of many sizes in a ball, with triangle counts of many sizes.
+fn cloud(count: usize) -> SceneCuller {
+    let mut random = Random(99);
+    let (mut boxes, mut triangles) = (Vec::new(), Vec::new());
+    for _ in 0..count {
+        let middle = random.point(10.0).as_vec3();
+        let half = glam::Vec3::splat((0.02 * 50_f64.powf(random.unit())) as f32);
+        boxes.push(Bounds { min: middle - half, max: middle + half });
+        triangles.push((2.0 * 1e4_f64.powf(random.unit())) as u32);
+    }
+    let mut culler = SceneCuller::empty();
+    culler.set_loose(&boxes, &triangles).unwrap();
+    culler
+}
+
+fn looking(eye: DVec3, at: DVec3) -> Camera {
+    Camera::perspective(common::view(eye, at), 60_f64.to_radians(), 1280.0, 720.0, 0.05)
+}
+
+/// How often objects that stay in the frustum come or go from frame to frame, and the pixels dropped, in sum.
+fn toggles(culler: &mut SceneCuller, path: impl Fn(usize) -> Camera, budget: u64) -> (usize, f64) {
+    let (mut count, mut dropped) = (0, 0.0);
+    let mut before: Option<(HashSet<Draw>, HashSet<Draw>)> = None;
+    for frame in 0..300 {
+        let camera = path(frame);
+        let chosen: HashSet<Draw> = culler
+            .cull_within(&camera, &Settings::default(), &Budget::Triangles(budget))
+            .iter()
+            .copied()
+            .collect();
+        dropped += culler.selection().dropped_pixels;
+        let loose = culler.loose_order().iter().map(|&object| Draw { tree: LOOSE, anchor: 0, object });
+        // Asked without disturbing what was chosen.
+        let in_frustum: HashSet<Draw> =
+            loose.filter(|d| culler.explain(*d, &camera, &Settings::default()).is_drawn()).collect();
+        if let Some((chosen_before, in_frustum_before)) = &before {
+            let both = in_frustum.intersection(in_frustum_before);
+            count += both.filter(|d| chosen.contains(*d) != chosen_before.contains(*d)).count();
+        }
+        before = Some((chosen, in_frustum));
+    }
+    (count, dropped)
+}
+
+/// The figures of the documentation: a slow flight and a trembling hand, with and without hysteresis.
+#[test]
+fn hysteresis_keeps_objects_from_flickering() {
+    let mut culler = cloud(2000);
+    let flight = |frame: usize| {
+        let angle = frame as f64 * 0.002;
+        looking(DVec3::new(angle.cos(), 0.3, angle.sin()) * 14.0, DVec3::ZERO)
+    };
+    let hand = |frame: usize| {
+        let jitter = Random(frame as u64).point(0.05);
+        looking(DVec3::new(14.0, 4.0, 0.0) + jitter, DVec3::ZERO)
+    };
+    for (name, path) in [("flight", &flight as &dyn Fn(usize) -> Camera), ("hand", &hand)] {
+        let mut measure = |factor: f64| {
+            culler.set_hysteresis(factor);
+            culler.cull(&path(0), &Settings::default());
+            toggles(&mut culler, path, 200_000)
+        };
+        let ((without, least_dropped), (with, dropped)) = (measure(1.0), measure(1.25));
+        println!(
+            "{name}: {without} toggles without hysteresis, {with} with; dropped pixels {:.4} times as many",
+            dropped / least_dropped
+        );
+        assert!(without > 50 && with * 3 <= without, "{name}: {without} {with}");
+        assert!(dropped <= least_dropped * 1.05);
+    }
+}
+
+/// A budget in milliseconds, on a machine that is four times as slow as the model's prior.
+#[test]
+fn milliseconds_are_kept_on_average() {
+    let mut culler = cloud(2000);
+    let (mut model, mut random) = (CostModel::new(), Random(4));
+    let budget = 15.0;
+    let (mut sum, mut count) = (0.0, 0);
+    for frame in 0..200 {
+        let angle = frame as f64 * 0.03;
+        let camera = looking(DVec3::new(angle.cos(), 0.3, angle.sin()) * 13.0, DVec3::ZERO);
+        culler.cull_within(&camera, &Settings::default(), &Budget::Milliseconds(budget, &model));
+        let selection = culler.selection();
+        let (triangles, draws) = (selection.chosen_triangles, selection.chosen as u64);
+        assert!(
+            model.predict(triangles, draws) <= budget && draws > 0 && selection.chosen < selection.candidates
+        );
+        let noise = 0.9 + 0.2 * random.unit();
+        let ms = (3.0 + 40.0 * triangles as f64 * 1e-6 + 5.0 * draws as f64 * 1e-3) * noise;
+        model.record(triangles, draws, ms);
+        if frame >= 20 {
+            (sum, count) = (sum + ms, count + 1);
+        }
+    }
+    let mean = sum / f64::from(count);
+    println!("mean {mean:.3} ms of {budget}, error {:.4}", model.error());
+    assert!((mean - budget).abs() < 0.05 * budget, "{mean}");
 }

@@ -1,5 +1,6 @@
 //! The command line as typed. What the values mean together is checked in [`super::options`].
 
+use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use svs::generate::SampleKind;
@@ -18,6 +19,7 @@ Examples:
   svs build plant.glb -o plant.svs.glb      bake with standard quality
   svs info plant.svs.glb                    what the file holds
   svs verify plant.svs.glb                  what it is worth, on cameras the bake has not seen
+  svs render plant.svs.glb -o plant.png     a picture of it
   svs help build                            all options of a command
 
 Exit codes: 0 done; 1 bad input, failed validation or a file that cannot be written; 2 wrong usage."
@@ -49,6 +51,8 @@ pub(crate) enum Command {
     Info(Info),
     Validate(Validate),
     Verify(Verify),
+    #[cfg(feature = "render")]
+    Render(super::render::Render),
     Sample(Sample),
     Strip(Strip),
     #[cfg(feature = "render")]
@@ -145,24 +149,68 @@ pub(crate) struct Verify {
 }
 
 /// Write a generated sample scene; the same numbers give the same bytes
+///
+/// `grid` generates nothing but repeats a scene of yours: for large test scenes made of real parts. Its meshes are shared,
+/// so that the file stays small.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   svs sample plant -o plant.glb
-  svs sample city --scale 4 --seed 7 -o city.glb")]
+  svs sample city --scale 4 --seed 7 -o city.glb
+  svs sample grid --of engine.glb --copies 400 -o engines.glb")]
 pub(crate) struct Sample {
     /// What to generate
     #[arg(value_enum, value_name = "KIND")]
-    pub(crate) kind: SampleKind,
+    pub(crate) kind: SampleName,
     /// File to write: .glb or .gltf
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Size of the scene: about this many times the objects of the default
-    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
-    pub(crate) scale: f64,
-    /// Start of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 7)]
-    pub(crate) seed: u64,
+    /// Size of the scene: about this many times the objects of the default [default: 1]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub(crate) scale: Option<f64>,
+    /// Start of the random numbers [default: 7]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Scene that `grid` repeats: .glb or .gltf, without animations and skins
+    #[arg(long, value_name = "FILE", required_if_eq("kind", "grid"))]
+    pub(crate) of: Option<PathBuf>,
+    /// Copies in the grid, the scene itself counted [default: 100]
+    #[arg(long, value_name = "N", requires = "of")]
+    pub(crate) copies: Option<usize>,
+    /// Distance from copy to copy, in sizes of the scene: at 1 they touch [default: 1.1]
+    #[arg(long, value_name = "F", requires = "of")]
+    pub(crate) spacing: Option<f64>,
+}
+
+/// A sample scene that is generated, or a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SampleName {
+    Generated(SampleKind),
+    Grid,
+}
+
+impl ValueEnum for SampleName {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: [SampleName; SampleKind::ALL.len() + 1] = {
+            let mut all = [SampleName::Grid; SampleKind::ALL.len() + 1];
+            let mut place = 0;
+            while place < SampleKind::ALL.len() {
+                all[place] = SampleName::Generated(SampleKind::ALL[place]);
+                place += 1;
+            }
+            all
+        };
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        match self {
+            Self::Generated(kind) => kind.to_possible_value(),
+            Self::Grid => {
+                Some(PossibleValue::new("grid").help("Copies of a scene of yours, side by side (--of)"))
+            }
+        }
+    }
 }
 
 /// Remove the baked visibility: gives back the file as it was before `svs build`
@@ -251,7 +299,7 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// A share, 0 to 1.
-fn share(text: &str) -> Result<f64, String> {
+pub(crate) fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
         _ => Err("a share from 0 to 1 is needed, such as 0.05".to_owned()),

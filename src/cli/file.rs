@@ -47,9 +47,31 @@ pub(crate) fn write(document: &Document, path: &Path) -> Result<(), Failure> {
 
 /// Writes a JSON file; what was there before stays until the new one is complete.
 pub(crate) fn write_json(value: &serde_json::Value, path: &Path) -> Result<(), Failure> {
+    write_bytes(format!("{value:#}\n").as_bytes(), path)
+}
+
+/// Writes a picture without its alpha; what was there before stays until the new one is complete.
+#[cfg(feature = "render")]
+pub(crate) fn write_png(image: &svs_render::Image, path: &Path) -> Result<(), Failure> {
+    let rgb: Vec<u8> = image.rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+    let mut png = Vec::new();
+    let encoder = image::codecs::png::PngEncoder::new(&mut png);
+    image::ImageEncoder::write_image(
+        encoder,
+        &rgb,
+        image.width,
+        image.height,
+        image::ExtendedColorType::Rgb8,
+    )
+    .map_err(|error| Failure::doing("write", path, &error))?;
+    write_bytes(&png, path)
+}
+
+/// Writes a file beside its place and renames it.
+fn write_bytes(bytes: &[u8], path: &Path) -> Result<(), Failure> {
     let write = || -> std::io::Result<()> {
         let mut file = tempfile::NamedTempFile::new_in(folder(path))?;
-        writeln!(file, "{value:#}")?;
+        file.write_all(bytes)?;
         file.persist(path)?;
         Ok(())
     };

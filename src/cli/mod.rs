@@ -14,6 +14,8 @@ mod memory;
 mod options;
 mod output;
 mod progress;
+#[cfg(feature = "render")]
+mod render;
 mod sample;
 mod strip;
 mod tree_weights;
@@ -50,6 +52,8 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Info(args) => info::run(args, &cli.common),
         Command::Validate(args) => validate::run(args, &cli.common),
         Command::Verify(args) => verify::run(args, &cli.common),
+        #[cfg(feature = "render")]
+        Command::Render(args) => render::run(args, &cli.common),
         Command::Sample(args) => sample::run(args, &cli.common),
         Command::Strip(args) => strip::run(args, &cli.common),
         #[cfg(feature = "render")]

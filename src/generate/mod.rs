@@ -4,12 +4,15 @@
 //! visible sets. The same options give the same bytes on every machine: random numbers are integers (SplitMix64),
 //! sine, cosine and logarithm are computed with `+ - * /` only, and every stream of random numbers belongs to one
 //! machine, lot or run of pipes. Lengths are metres, y is up.
+//!
+//! [`grid`] repeats a real scene instead.
 
 mod assembly;
 mod boxes;
 mod builder;
 mod city;
 mod cubes;
+mod grid;
 mod paint;
 mod plant;
 mod portable;
@@ -21,6 +24,7 @@ mod shells;
 #[cfg(test)]
 mod tests;
 
+pub use grid::{GridError, GridOptions, GridReport, grid};
 pub use sample::Sample;
 pub use shells::{ShellOptions, shells};
 

@@ -5,12 +5,14 @@
 
 mod colours;
 mod cull;
+mod exact;
 mod method;
 mod open;
 #[cfg(test)]
 mod tests;
 
 pub use colours::{ColourMode, UnknownColourMode, object_colour, palette};
+pub use exact::visible_objects;
 pub use method::{Method, UnknownMethod};
 pub use open::StageError;
 
