@@ -6,7 +6,7 @@ use super::loading::Loaded;
 use super::overlay;
 use super::state::{Colours, Limit, State};
 use super::tints;
-use crate::stage::{Method, Stage};
+use crate::stage::{Method, Stage, visible_objects};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -189,7 +189,7 @@ impl OpenScene {
         self.estimated_missing_ppm = dropped / pixels.max(1.0) * 1e6;
         if state.method == Method::Exact {
             let items = self.items(gpu, &eye, Shown::Drawn)?;
-            self.drawn = seen(&items);
+            self.drawn = visible_objects(&items);
             self.cull_us = begin.elapsed().as_secs_f64() * 1e6;
         }
         self.is_drawn.fill(false);
@@ -325,9 +325,9 @@ impl OpenScene {
             overlay::frustum(&at.view, aspect, depth, overlay::FRUSTUM_COLOUR, &mut self.lines);
         }
         if state.freeze && state.skipped_boxes {
-            let skipped = self.stage.order().iter().copied();
-            let skipped = skipped.filter(|&object| !self.is_drawn(object) && !self.is_hidden(object));
             let mut lines = std::mem::take(&mut self.lines);
+            let all = self.stage.order().iter().copied();
+            let skipped = all.filter(|&object| !self.is_drawn(object) && !self.is_hidden(object));
             for object in skipped.take(overlay::MOST_BOXES) {
                 let (min, max) = self.stage.object_bounds(object);
                 overlay::edges(min, max, overlay::SKIPPED_COLOUR, &mut lines);
@@ -389,13 +389,4 @@ impl OpenScene {
 enum Shown {
     Drawn,
     All,
-}
-
-/// Objects that show in an item buffer, in rising order.
-fn seen(items: &ItemBuffer) -> Vec<u32> {
-    let mut seen: Vec<u32> =
-        items.nearest.iter().chain(&items.transparent).copied().filter(|&object| object != NO_ITEM).collect();
-    seen.sort_unstable();
-    seen.dedup();
-    seen
 }
