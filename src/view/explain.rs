@@ -28,7 +28,7 @@ pub(crate) fn sentence(reason: &Reason, drawn: bool, budget: bool) -> String {
                 ordinal(height)
             )
         }
-        Reason::Frustum { spheres: 0, .. } => "drawn: it is in the frustum; nothing was baked for it".to_owned(),
+        Reason::Frustum { spheres: 0, .. } => "drawn: it is in the frustum; no baked sphere is around it".to_owned(),
         Reason::Frustum { disturbed: true, .. } => {
             "drawn: it is in the frustum; something was hidden in the spheres around it, so that they are not trusted"
                 .to_owned()
@@ -76,7 +76,7 @@ mod tests {
         assert!(sentence(&Reason::TooSmall { pixels: 0.42, node: 1 }, false, false).contains("0.4 pixels"));
         assert!(
             sentence(&Reason::Frustum { spheres: 0, disturbed: false }, true, false)
-                .contains("nothing was baked")
+                .contains("no baked sphere")
         );
         assert!(sentence(&Reason::UserHidden, false, false).contains("hidden"));
     }

@@ -17,6 +17,10 @@ use svs_render::{Gpu, RenderError, View};
 /// Change of the quality per key press.
 const QUALITY_STEP: f32 = 0.05;
 
+/// Told where there is nothing to cull by but the frustum.
+const NOT_BAKED: &str =
+    "no baked visibility in this file: shown with frustum culling. `svs build IN -o OUT` bakes it.";
+
 /// Something to tell the user, until the next one.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub(crate) struct Message {
@@ -124,8 +128,12 @@ impl Viewer {
                 if let Some(view) = self.camera.take() {
                     self.rig.set_view(&view);
                 }
-                self.message =
-                    scene.stage.notice().map(|text| Message { text: text.to_owned(), error: false });
+                let plain = (!scene.stage.is_baked()).then_some(NOT_BAKED);
+                self.message = scene
+                    .stage
+                    .notice()
+                    .or(plain)
+                    .map(|text| Message { text: text.to_owned(), error: false });
                 self.state.forget_scene();
                 if !scene.has(self.state.colours) {
                     self.state.colours = super::state::Colours::Material;

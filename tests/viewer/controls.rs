@@ -54,7 +54,7 @@ fn frozen_culling_keeps_what_is_drawn_while_the_camera_flies_out() {
         &plant,
         &json!([
             {"camera": "walk"}, {"look_from": {"eye": [5, 2, 10], "forward": [1, 0, -0.3]}}, {"dump": "before.json"},
-            {"freeze": true}, {"camera": "orbit"}, {"drag": [180, 90]}, {"wheel": -8}, {"frames": 3},
+            {"freeze": true}, {"camera": "orbit"}, {"key": "Home"}, {"drag": [180, 90]}, {"frames": 3},
             {"dump": "frozen.json"}, {"screenshot": "drawn.png"},
             {"skipped": true}, {"dump": "skipped.json"}, {"screenshot": "skipped.png"},
             {"skipped": false}, {"skipped_boxes": true}, {"screenshot": "boxes.png"}, {"skipped_boxes": false},

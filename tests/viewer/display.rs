@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 
 /// What a machine without a display needs for these tests.
 const INSTALL: &str = "install it: apt-get install --no-install-recommends xvfb xdotool mesa-vulkan-drivers \
-                       libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2 libx11-xcb1";
+                       libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0";
 
 /// A running Xvfb; ends with the test.
 pub(crate) struct Display {

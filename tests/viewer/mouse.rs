@@ -7,6 +7,18 @@ fn eye(state: &Value) -> [f64; 3] {
     vector(&state["camera"]["eye"])
 }
 
+/// A drag from the middle of the picture, as slowly as a hand does it.
+fn drag(button: u32, right: i32, down: i32) -> String {
+    format!(
+        "mousemove 400 400 sleep 0.3 mousedown {button} sleep 0.3 mousemove_relative -- {} {} sleep 0.3 \
+         mousemove_relative -- {} {} sleep 0.5 mouseup {button}",
+        right / 2,
+        down / 2,
+        right / 2,
+        down / 2
+    )
+}
+
 #[test]
 fn mouse_and_keyboard_move_cameras_and_change_settings() {
     let stand = Stand::new();
@@ -16,13 +28,13 @@ fn mouse_and_keyboard_move_cameras_and_change_settings() {
     let at = eye(&start);
 
     // Left drag turns, right drag shifts, the wheel zooms.
-    stand.display.xdotool("mousemove 400 400 mousedown 1 mousemove 430 400 mousemove 520 430 mouseup 1");
+    stand.display.xdotool(&drag(1, 120, 30));
     let turned = open.until("a turn", |state| distance(eye(state), at) > 1.0);
     let forward = turned["camera"]["forward"].clone();
-    stand.display.xdotool("mousemove 400 400 mousedown 3 mousemove 430 400 mousemove 480 400 mouseup 3");
+    stand.display.xdotool(&drag(3, 80, 0));
     let panned = open.until("a shift", |state| distance(eye(state), eye(&turned)) > 0.5);
     assert_eq!(panned["camera"]["forward"], forward);
-    stand.display.xdotool("mousemove 400 400 click 4 click 4");
+    stand.display.xdotool("mousemove 400 400 sleep 0.2 click 4 sleep 0.2 click 4");
     open.until("a zoom", |state| distance(eye(state), eye(&panned)) > 0.5);
 
     // Controls of the panel.

@@ -28,7 +28,7 @@ impl Stand {
     /// A factory hall of 400 objects with baked visibility.
     pub(crate) fn plant(&self) -> PathBuf {
         let (plain, baked) = (self.sample("plant", "0.1"), self.path("plant.svs.glb"));
-        let build = ["build", "--quality", "draft", "--rays", "200000", "-q", "-o"];
+        let build = ["build", "--quality", "draft", "--rays", "200000", "--prune", "0", "-q", "-o"];
         svs(&build, &[&baked, &plain]);
         baked
     }
@@ -99,6 +99,8 @@ impl<'a> Open<'a> {
         let child = stand.viewer(file).arg("--script").arg(script).spawn().expect("svs starts");
         let mut open = Self { stand, child };
         open.until("a first frame", |state| state["frames"].as_u64() > Some(0));
+        // There is no window manager here that would give it the keyboard.
+        stand.display.xdotool("search --onlyvisible --name svs windowfocus");
         open
     }
 
