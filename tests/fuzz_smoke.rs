@@ -3,34 +3,9 @@
 #[path = "../fuzz/common/mod.rs"]
 mod fuzz;
 
-use fuzz::mutate::{Random, mutate, scramble};
-use fuzz::seeds::Seeds;
+use fuzz::smoke::{SEEDS, smoke};
 use fuzz::targets;
 use std::path::Path;
-use std::sync::LazyLock;
-
-/// Target and documents; made once.
-static SEEDS: LazyLock<Vec<Seeds>> = LazyLock::new(fuzz::seeds::all);
-
-/// Mutations of each seed.
-const ROUNDS: u64 = 400;
-
-/// Runs a target over the mutations of its seeds; the last input is named if it panics.
-fn smoke(name: &str, target: fn(&[u8])) {
-    let (_, seeds) = SEEDS.iter().find(|(target, _)| *target == name).expect("a known target");
-    for (number, seed) in seeds.iter().enumerate() {
-        target(seed);
-        for round in 0..ROUNDS {
-            let mut random = Random(round);
-            let input = match round % 4 {
-                0 => scramble(seed, &mut random),
-                _ => mutate(seed, &mut random).expect("a seed holds JSON"),
-            };
-            let panicked = std::panic::catch_unwind(|| target(&input)).is_err();
-            assert!(!panicked, "target {name}, seed {number}, round {round}");
-        }
-    }
-}
 
 #[test]
 fn seeds_are_good() {

@@ -5,4 +5,5 @@
 pub(crate) mod input;
 pub(crate) mod mutate;
 pub(crate) mod seeds;
+pub(crate) mod smoke;
 pub(crate) mod targets;

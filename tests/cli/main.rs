@@ -4,6 +4,9 @@ mod bake;
 mod broken_input;
 mod khronos_validator;
 mod process;
+#[cfg(feature = "render")]
+mod render;
+mod sample_grid;
 mod usage;
 
 use std::ffi::OsStr;
@@ -15,6 +18,8 @@ use tempfile::TempDir;
 fn svs() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_svs"));
     command.stdin(Stdio::null());
+    // Mesa's layer that chooses among several GPUs complains on standard error where there is no display.
+    command.env("NODEVICE_SELECT", "1");
     command
 }
 

@@ -7,7 +7,7 @@ const COMMANDS: [&str; 6] = ["build", "info", "validate", "verify", "sample", "s
 #[test]
 fn help_of_every_command_has_examples() {
     let all = run(&["--help"]).ok();
-    for command in COMMANDS {
+    for command in COMMANDS.into_iter().chain(cfg!(feature = "render").then_some("render")) {
         assert!(all.stdout.contains(command), "{command} is not in {}", all.stdout);
         let help = run(&[command, "--help"]).ok().stdout;
         assert!(help.contains("Examples:") && help.contains(&format!("svs {command} ")), "{help}");
