@@ -1,4 +1,5 @@
-//! Frame times of generated scenes: `cargo run --release -p svs-render --example frames [WIDTHxHEIGHT]`.
+//! Frame times of generated scenes:
+//! `cargo run --release -p svs-render --example frames [WIDTHxHEIGHT [PART OF A SCENE'S NAME [FRAMES]]]`.
 
 use std::f64::consts::TAU;
 use std::process::ExitCode;
@@ -42,7 +43,8 @@ fn tubes(parts: u32) -> SceneData {
         }
     }
     let object = |i: u32| {
-        let place = [i % side, i / side % side, i / side / side].map(|x| (f64::from(x) + 0.5) / f64::from(side) * 2.0 - 1.0);
+        let place = [i % side, i / side % side, i / side / side]
+            .map(|x| (f64::from(x) + 0.5) / f64::from(side) * 2.0 - 1.0);
         let size = DMat3::from_diagonal(DVec3::new(0.4, 1.0, 0.4) / f64::from(side));
         let turn = DMat3::from_rotation_z(f64::from(i));
         Object { mesh: i, to_world: DAffine3 { matrix3: turn * size, translation: DVec3::from(place) } }
@@ -94,17 +96,23 @@ fn measure(
     gpu: &Gpu,
     offscreen: &mut Offscreen,
     name: &str,
-    data: &SceneData,
+    data: impl FnOnce() -> SceneData,
     objects: &[u32],
 ) -> Result<(), svs_render::RenderError> {
+    let mut arguments = std::env::args().skip(2);
+    if arguments.next().is_some_and(|part| !name.contains(&part)) {
+        return Ok(());
+    }
+    let frames: usize = arguments.next().and_then(|count| count.parse().ok()).unwrap_or(12);
+    let data = data();
     let begin = std::time::Instant::now();
-    let scene = GpuScene::upload(gpu, data, &[])?;
+    let scene = GpuScene::upload(gpu, &data, &[])?;
     let upload = begin.elapsed().as_secs_f64() * 1e3;
     let mut renderer = Offscreen::renderer(gpu);
     let view = View::looking_along(DVec3::new(1.2, 0.9, 2.6), DVec3::new(-1.2, -0.9, -2.6), 0.8, 0.05);
     let frame = Frame { view, objects, lines: &[] };
     let mut times = Vec::new();
-    for _ in 0..12 {
+    for _ in 0..frames.max(1) {
         times.push(offscreen.time(gpu, &mut renderer, &scene, &frame)?);
     }
     times.sort_by(|a, b| a.wall_ms.total_cmp(&b.wall_ms));
@@ -136,15 +144,17 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
         primitive.normals.clear();
         primitive
     };
-    measure(&gpu, &mut offscreen, "nothing", &one(sheet(1, 1)), &[])?;
-    measure(&gpu, &mut offscreen, "one large quad", &one(sheet(1, 1)), &[0])?;
-    measure(&gpu, &mut offscreen, "one large flat quad", &one(flat(sheet(1, 1))), &[0])?;
-    measure(&gpu, &mut offscreen, "1 M triangles in one mesh", &one(sheet(1000, 500)), &[0])?;
-    measure(&gpu, &mut offscreen, "1 M flat triangles in one mesh", &one(flat(sheet(1000, 500))), &[0])?;
-    measure(&gpu, &mut offscreen, "15,000 tubes", &tubes(15_000), &some(15_000, 1.0))?;
-    measure(&gpu, &mut offscreen, "15,000 tubes, 10 % visible", &tubes(15_000), &some(15_000, 0.1))?;
-    measure(&gpu, &mut offscreen, "60,000 boxes", &boxes(60_000), &some(60_000, 1.0))?;
-    measure(&gpu, &mut offscreen, "60,000 boxes, 10 % visible", &boxes(60_000), &some(60_000, 0.1))?;
+    measure(&gpu, &mut offscreen, "nothing", || one(sheet(1, 1)), &[])?;
+    measure(&gpu, &mut offscreen, "one large quad", || one(sheet(1, 1)), &[0])?;
+    measure(&gpu, &mut offscreen, "one large flat quad", || one(flat(sheet(1, 1))), &[0])?;
+    measure(&gpu, &mut offscreen, "1 M triangles in one mesh", || one(sheet(1000, 500)), &[0])?;
+    measure(&gpu, &mut offscreen, "1 M flat triangles in one mesh", || one(flat(sheet(1000, 500))), &[0])?;
+    measure(&gpu, &mut offscreen, "15,000 tubes", || tubes(15_000), &some(15_000, 1.0))?;
+    measure(&gpu, &mut offscreen, "15,000 tubes, 10 % visible", || tubes(15_000), &some(15_000, 0.1))?;
+    measure(&gpu, &mut offscreen, "60,000 boxes", || boxes(60_000), &some(60_000, 1.0))?;
+    measure(&gpu, &mut offscreen, "60,000 boxes, 10 % visible", || boxes(60_000), &some(60_000, 0.1))?;
+    measure(&gpu, &mut offscreen, "400,000 tubes, 15 % visible", || tubes(400_000), &some(400_000, 0.15))?;
+    measure(&gpu, &mut offscreen, "400,000 boxes, 15 % visible", || boxes(400_000), &some(400_000, 0.15))?;
     Ok(())
 }
 

@@ -11,13 +11,8 @@
 @fragment
 fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     var color = in.color;
-    var surface = in.surface;
 #if TEXTURED
     color *= textureSample(color_texture, color_sampler, in.uv);
-#endif
-#if FULL
-    let texel = textureSample(surface_texture, surface_sampler, in.uv);
-    surface = vec3<f32>(surface.x * texel.z, surface.y * texel.y, surface.z);
 #endif
     var light = vec3<f32>(0.0);
 #if EMISSIVE
@@ -26,20 +21,27 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     light *= textureSample(emissive_texture, emissive_sampler, in.uv).xyz;
 #endif
 #endif
+#if MATERIAL_PER_PIXEL
+    var surface = in.surface;
+#if FULL
+    surface *= textureSample(surface_texture, surface_sampler, in.uv).zy;
+#endif
+#endif
 #if FLAT
     // Before anything is discarded: derivatives need the neighbours.
     let face = unit(cross(dpdx(in.direction), dpdy(in.direction)));
     let n = select(face, -face, dot(face, in.direction) > 0.0);
 #endif
 #if MASK
-    if color.w < surface.z {
+    if color.w < in.cutoff {
         discard;
     }
 #endif
-#if TINTED
+#if TINT_PER_PIXEL
     color = vec4<f32>(mix(color.xyz, in.tint.xyz, in.tint.w), color.w);
+#if MATERIAL_PER_PIXEL
     surface.x *= 1.0 - in.tint.w;
-    light *= 1.0 - in.tint.w;
+#endif
 #endif
 #if UNLIT
     light = color.xyz;
@@ -51,7 +53,14 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     let n = unit(in.direction);
 #endif
 #endif
-    light += shade(color.xyz, surface.x, surface.y, n, -unit(ray(in.clip.xy)));
+#if MATERIAL_PER_PIXEL
+    let diffuse = scattered(color.xyz, surface.x);
+    let mirror = vec4<f32>(mirrored(color.xyz, surface.x), surface.y);
+#else
+    let diffuse = color.xyz;
+    let mirror = in.mirror;
+#endif
+    light += shade(diffuse, mirror.xyz, mirror.w, n, -unit(ray(in.clip.xy)));
 #endif
 #if BLEND
     return vec4<f32>(encode(light), color.w);

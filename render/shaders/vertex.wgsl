@@ -22,20 +22,37 @@ struct Varying {
     @location(0) @interpolate(flat, either) object: u32,
     @location(1) @interpolate(flat, either) alpha: vec2<f32>,
 #else
+#if !UNLIT
     // A normal, or relative to the eye the place of a flat face.
     @location(0) direction: vec3<f32>,
+#endif
+    // With textures or unlit, the base colour; else what scatters, so that fragments need not work it out. And alpha.
 #if COLORS
     @location(1) color: vec4<f32>,
 #else
     @location(1) @interpolate(flat, either) color: vec4<f32>,
 #endif
-    // Metallic, roughness, cutoff.
-    @location(2) @interpolate(flat, either) surface: vec3<f32>,
+#if MATERIAL_PER_PIXEL
+    // Metallic, roughness.
+    @location(2) @interpolate(flat, either) surface: vec2<f32>,
+#else
+#if !UNLIT
+    // Reflectance straight on, roughness.
+#if COLORS
+    @location(2) mirror: vec4<f32>,
+#else
+    @location(2) @interpolate(flat, either) mirror: vec4<f32>,
+#endif
+#endif
+#endif
 #if EMISSIVE
     @location(3) @interpolate(flat, either) emissive: vec3<f32>,
 #endif
-#if TINTED
+#if TINT_PER_PIXEL
     @location(4) @interpolate(flat, either) tint: vec4<f32>,
+#endif
+#if MASK
+    @location(6) @interpolate(flat, either) cutoff: f32,
 #endif
 #endif
 #if TEXTURED
@@ -59,6 +76,7 @@ fn vertex(input: Input) -> Varying {
     out.object = input.object + input.row_object;
     out.alpha = vec2<f32>(input.color.w, input.surface.z);
 #else
+#if !UNLIT
 #if FLAT
     out.direction = p;
 #else
@@ -68,15 +86,36 @@ fn vertex(input: Input) -> Varying {
     let cofactors = cx * n.x + cross(input.column_z, input.column_x) * n.y + cross(input.column_x, input.column_y) * n.z;
     out.direction = unit(cofactors) * sign(dot(input.column_x, cx));
 #endif
-    out.color = vec4<f32>(input.color.xyz * input.color.xyz, input.color.w);
-    out.surface = input.surface.xyz;
-#if EMISSIVE
-    out.emissive = input.emissive.xyz * input.emissive.xyz * (input.emissive.w * (255.0 / 8.0));
 #endif
+    var base = input.color.xyz * input.color.xyz;
+    var metallic = input.surface.x;
+    var light = input.emissive.xyz * input.emissive.xyz * (input.emissive.w * (255.0 / 8.0));
 #if TINTED
     let id = input.object + input.row_object;
-    out.tint = textureLoad(tints, vec2<u32>(id & 2047u, id >> 11u), 0);
+    let tint = textureLoad(tints, vec2<u32>(id & 2047u, id >> 11u), 0);
+#if TINT_PER_PIXEL
+    out.tint = tint;
+#else
+    base = mix(base, tint.xyz, tint.w);
+    metallic *= 1.0 - tint.w;
 #endif
+    light *= 1.0 - tint.w;
+#endif
+#if EMISSIVE
+    out.emissive = light;
+#endif
+#if MASK
+    out.cutoff = input.surface.z;
+#endif
+#if MATERIAL_PER_PIXEL
+    out.surface = vec2<f32>(metallic, input.surface.y);
+#else
+#if !UNLIT
+    out.mirror = vec4<f32>(mirrored(base, metallic), input.surface.y);
+    base = scattered(base, metallic);
+#endif
+#endif
+    out.color = vec4<f32>(base, input.color.w);
 #endif
     return out;
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::layout::{Layout, NONE};
+use crate::layout::{Layout, NONE, Spot};
 use crate::vertex::Row;
 
 /// One draw call.
@@ -40,6 +40,18 @@ struct Blended {
     draw: Draw,
 }
 
+/// Runs of neighbours are cut at this many indices, so that near ones can be drawn before far ones: what is hidden then
+/// costs no shading. Few enough calls even for 100 million triangles.
+const RUN_INDICES: u32 = 3 << 14;
+
+/// Buckets of distance: four per doubling of the squared distance.
+const BUCKETS: usize = 1 << 11;
+
+/// The bucket of a squared distance; NaN comes last.
+fn bucket(squared: f64) -> usize {
+    (squared as f32).abs().to_bits() as usize >> 21
+}
+
 /// Lists of the frame, kept between frames: no allocation once they have grown.
 #[derive(Debug, Default)]
 pub(crate) struct Batcher {
@@ -55,6 +67,12 @@ pub(crate) struct Batcher {
     /// Per group: first row, and the row after the last one.
     starts: Vec<u32>,
     ends: Vec<u32>,
+    /// Visible instances with their buckets, and their ids from near to far.
+    found: Vec<(u32, u16)>,
+    near_first: Vec<u32>,
+    buckets: Vec<u32>,
+    /// Opaque and masked draw calls by class, then from near to far.
+    opaque: Vec<(u64, Draw)>,
     sorted: Vec<Blended>,
 }
 
@@ -96,14 +114,19 @@ impl Batcher {
     /// Plans the frame. Objects out of range are not drawn, repeated ones once; the order of `objects` does not matter.
     pub(crate) fn plan(&mut self, layout: &Layout, objects: &[u32], eye: DVec3) {
         self.draws.clear();
+        self.opaque.clear();
         self.sorted.clear();
         self.statistics = DrawStatistics::default();
         self.mark(layout, objects);
+        self.sort_instances(layout, eye);
         self.fill_rows(layout, eye);
         self.merged(layout, eye);
         self.instanced(layout, eye);
+        // The sequence number makes keys differ: one frame is always drawn the same way.
+        self.opaque.sort_unstable_by_key(|&(key, _)| key);
+        self.draws.extend(self.opaque.iter().map(|&(_, draw)| draw));
         self.blended = self.draws.len();
-        // From far to near; ties by index, so that one frame is always drawn the same way.
+        // From far to near.
         self.sorted.sort_unstable_by(|a, b| {
             b.distance.total_cmp(&a.distance).then((a.object, a.position).cmp(&(b.object, b.position)))
         });
@@ -120,18 +143,18 @@ impl Batcher {
     /// Notes visible objects and parts and counts instances.
     fn mark(&mut self, layout: &Layout, objects: &[u32]) {
         self.objects.clear();
-        self.objects.resize(layout.group_of.len().div_ceil(64), 0);
+        self.objects.resize(layout.spots.len().div_ceil(64), 0);
         self.parts.clear();
         self.parts.resize(layout.parts.len().div_ceil(64), 0);
         self.ends.clear();
         self.ends.resize(layout.mirrored.len(), 0);
         for &object in objects {
-            let Some(&group) = layout.group_of.get(object as usize) else { continue };
+            let Some(&Spot { triangles, group, .. }) = layout.spots.get(object as usize) else { continue };
             if !set(&mut self.objects, object) {
                 continue;
             }
             self.statistics.objects += 1;
-            self.statistics.triangles += u64::from(layout.triangles[object as usize]);
+            self.statistics.triangles += u64::from(triangles);
             if group == NONE {
                 let parts = layout.part_start[object as usize]..layout.part_start[object as usize + 1];
                 for &part in &layout.part_ids[parts.start as usize..parts.end as usize] {
@@ -143,7 +166,7 @@ impl Batcher {
         }
     }
 
-    /// A counting sort of the visible instances by group, in the order of their ids.
+    /// A counting sort of the visible instances by group, near ones first.
     fn fill_rows(&mut self, layout: &Layout, eye: DVec3) {
         self.starts.clear();
         let mut next = layout.clusters.len() as u32;
@@ -158,22 +181,54 @@ impl Batcher {
             let place = (origin - eye).as_vec3().to_array();
             *row = Row { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], place], object: 0 };
         }
+        for &object in &self.near_first {
+            let place = &layout.places[object as usize];
+            let [x, y, z] = place.columns;
+            let origin = (place.origin - eye).as_vec3().to_array();
+            let end = &mut self.ends[layout.spots[object as usize].group as usize];
+            self.rows[*end as usize] = Row { columns: [x, y, z, origin], object };
+            *end += 1;
+        }
+    }
+
+    /// Visible instances from near to far, by a counting sort; those of one bucket in the order of their ids.
+    fn sort_instances(&mut self, layout: &Layout, eye: DVec3) {
+        self.found.clear();
+        self.buckets.clear();
+        self.buckets.resize(BUCKETS, 0);
         for (word, &bits) in self.objects.iter().enumerate() {
             let mut rest = bits;
             while rest != 0 {
                 let object = word * 64 + rest.trailing_zeros() as usize;
                 rest &= rest - 1;
-                let group = layout.group_of[object];
-                if group != NONE {
-                    let place = &layout.places[object];
-                    let [x, y, z] = place.columns;
-                    let origin = (place.origin - eye).as_vec3().to_array();
-                    let end = &mut self.ends[group as usize];
-                    self.rows[*end as usize] = Row { columns: [x, y, z, origin], object: object as u32 };
-                    *end += 1;
+                let spot = &layout.spots[object];
+                if spot.group != NONE {
+                    let bucket = bucket(spot.center.distance_squared(eye));
+                    self.buckets[bucket] += 1;
+                    self.found.push((object as u32, bucket as u16));
                 }
             }
         }
+        let mut next = 0;
+        for count in &mut self.buckets {
+            next += std::mem::replace(count, next);
+        }
+        self.near_first.resize(self.found.len(), 0);
+        for &(object, bucket) in &self.found {
+            let slot = &mut self.buckets[bucket as usize];
+            self.near_first[*slot as usize] = object;
+            *slot += 1;
+        }
+    }
+
+    /// Adds an opaque or masked draw call whose nearest object is `object`, or about so.
+    fn push_opaque(&mut self, layout: &Layout, eye: DVec3, object: u32, draw: Draw) {
+        let near = bucket(layout.spots[object as usize].center.distance_squared(eye)) as u64;
+        let key = u64::from(draw.class) << 44
+            | u64::from(draw.mirrored) << 43
+            | near << 32
+            | self.opaque.len() as u64;
+        self.opaque.push((key, draw));
     }
 
     fn merged(&mut self, layout: &Layout, eye: DVec3) {
@@ -194,13 +249,25 @@ impl Batcher {
                     }
                 };
                 if !layout.is_blended(segment.class) {
-                    self.draws.push(draw(first, end));
+                    let mut first = first;
+                    while first < end {
+                        let parts = &layout.parts[first as usize..end as usize];
+                        let most = parts[0].first_index + RUN_INDICES;
+                        let count = parts.partition_point(|part| part.first_index < most) as u32;
+                        self.push_opaque(layout, eye, parts[0].object, draw(first, first + count));
+                        first += count;
+                    }
                     continue;
                 }
                 for part in first..end {
                     let object = layout.parts[part as usize].object;
-                    let distance = layout.centers[object as usize].distance_squared(eye);
-                    self.sorted.push(Blended { distance, object, position: part, draw: draw(part, part + 1) });
+                    let distance = layout.spots[object as usize].center.distance_squared(eye);
+                    self.sorted.push(Blended {
+                        distance,
+                        object,
+                        position: part,
+                        draw: draw(part, part + 1),
+                    });
                 }
             }
         }
@@ -222,13 +289,14 @@ impl Batcher {
                 index_count: piece.index_count,
             };
             if !layout.is_blended(piece.class) {
-                self.draws.push(draw);
+                let nearest = self.rows[row as usize].object;
+                self.push_opaque(layout, eye, nearest, draw);
                 continue;
             }
             draw.instances = 1;
             for row in row..end {
                 let object = self.rows[row as usize].object;
-                let distance = layout.centers[object as usize].distance_squared(eye);
+                let distance = layout.spots[object as usize].center.distance_squared(eye);
                 draw.row = row;
                 self.sorted.push(Blended { distance, object, position: position as u32, draw });
             }
@@ -242,3 +310,7 @@ fn follows(last: &Draw, next: &Draw) -> bool {
         == (next.class, next.mirrored, next.chunk, next.row, next.instances)
         && last.first_index + last.index_count == next.first_index
 }
+
+#[cfg(test)]
+#[path = "batch_tests.rs"]
+mod tests;

@@ -19,7 +19,8 @@ pub(crate) fn check(data: &SceneData, order: &[u32]) -> Result<(), RenderError> 
     }
     for (index, mesh) in data.meshes.iter().enumerate() {
         for primitive in &mesh.primitives {
-            check_primitive(primitive, data.materials.len()).map_err(|problem| bad("mesh", index, problem))?;
+            check_primitive(primitive, data.materials.len())
+                .map_err(|problem| bad("mesh", index, problem))?;
         }
     }
     for (index, object) in data.objects.iter().enumerate() {
@@ -39,11 +40,13 @@ pub(crate) fn check(data: &SceneData, order: &[u32]) -> Result<(), RenderError> 
 fn check_material(material: &Material, images: usize) -> Result<(), &'static str> {
     let cutoff = if let AlphaMode::Mask(cutoff) = material.alpha { cutoff } else { 0.0 };
     let mut numbers = material.base_color.iter().chain(&material.emissive);
-    if !numbers.all(|x| x.is_finite()) || ![material.metallic, material.roughness, cutoff].iter().all(|x| x.is_finite())
+    if !numbers.all(|x| x.is_finite())
+        || ![material.metallic, material.roughness, cutoff].iter().all(|x| x.is_finite())
     {
         return Err("a factor is not finite");
     }
-    let textures = [&material.base_color_texture, &material.metallic_roughness_texture, &material.emissive_texture];
+    let textures =
+        [&material.base_color_texture, &material.metallic_roughness_texture, &material.emissive_texture];
     if textures.into_iter().flatten().any(|texture| texture.image as usize >= images) {
         return Err("a texture's image does not exist");
     }

@@ -37,7 +37,11 @@ impl Placement {
     }
 
     fn position(&self, p: [f32; 3]) -> [f32; 3] {
-        if self.identity { p } else { self.to_cluster.transform_point3(Vec3::from(p).as_dvec3()).as_vec3().to_array() }
+        if self.identity {
+            p
+        } else {
+            self.to_cluster.transform_point3(Vec3::from(p).as_dvec3()).as_vec3().to_array()
+        }
     }
 }
 

@@ -26,7 +26,9 @@ pub enum GpuError {
         found: String,
     },
     /// The driver gives no device.
-    #[error("{adapter} cannot be used ({reason}); update its driver or choose another with WGPU_ADAPTER_NAME")]
+    #[error(
+        "{adapter} cannot be used ({reason}); update its driver or choose another with WGPU_ADAPTER_NAME"
+    )]
     NoDevice {
         /// Description of the GPU.
         adapter: String,
@@ -64,7 +66,10 @@ impl Gpu {
     ///
     /// # Errors
     /// When no driver answers; the text says what to install.
-    pub async fn new(instance: wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<Self, GpuError> {
+    pub async fn new(
+        instance: wgpu::Instance,
+        surface: Option<&wgpu::Surface<'_>>,
+    ) -> Result<Self, GpuError> {
         let adapter = match std::env::var("WGPU_ADAPTER_NAME") {
             Ok(wanted) if !wanted.is_empty() => named(&instance, surface, wanted).await?,
             _ => any(&instance, surface).await?,
@@ -113,7 +118,10 @@ fn describe(info: &wgpu::AdapterInfo) -> String {
 
 /// Hardware before software, and of two ways to one GPU not OpenGL: wgpu itself takes the first it finds.
 #[cfg(not(target_arch = "wasm32"))]
-async fn any(instance: &wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<wgpu::Adapter, GpuError> {
+async fn any(
+    instance: &wgpu::Instance,
+    surface: Option<&wgpu::Surface<'_>>,
+) -> Result<wgpu::Adapter, GpuError> {
     let saves_power = wgpu::PowerPreference::from_env() == Some(wgpu::PowerPreference::LowPower);
     let rank = |adapter: &wgpu::Adapter| {
         let info = adapter.get_info();
@@ -128,13 +136,17 @@ async fn any(instance: &wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> 
         (device, info.backend == wgpu::Backend::Gl)
     };
     let all = instance.enumerate_adapters(wgpu::Backends::all()).await;
-    let usable = |adapter: &wgpu::Adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface));
+    let usable =
+        |adapter: &wgpu::Adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface));
     let best = all.into_iter().filter(usable).min_by_key(rank);
     best.ok_or_else(|| GpuError::NoAdapter { reason: "no driver answers".to_owned() })
 }
 
 #[cfg(target_arch = "wasm32")]
-async fn any(instance: &wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<wgpu::Adapter, GpuError> {
+async fn any(
+    instance: &wgpu::Instance,
+    surface: Option<&wgpu::Surface<'_>>,
+) -> Result<wgpu::Adapter, GpuError> {
     let options = wgpu::RequestAdapterOptions { compatible_surface: surface, ..Default::default() };
     let adapter = instance.request_adapter(&options).await;
     adapter.map_err(|error| GpuError::NoAdapter { reason: error.to_string() })

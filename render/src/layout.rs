@@ -8,26 +8,27 @@ use crate::class::{Class, Mode, Sets, Textured, class_of};
 /// No object, no group.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Meshes with several uses are written out once per use as long as all their uses together have this many vertices
-/// at most: an instanced draw call of a handful of triangles costs more than the triangles.
-const MERGED_VERTICES: u64 = 2048;
-
 /// Vertices written out for further uses of meshes, in all: 32 MiB.
 const REPEATED_VERTICES: u64 = 1 << 20;
 
 /// Clusters may be this large, metres, whatever their parts: the error of a position is then below 0.1 mm.
 const CLUSTER_EXTENT: f64 = 2048.0;
 
-/// Capacity of one pair of a vertex and an index buffer.
+/// What decides about buffers and merging.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Capacity {
+    /// Vertices in one buffer.
     pub(crate) vertices: u32,
+    /// Indices in one buffer.
     pub(crate) indices: u32,
+    /// Meshes with several uses are written out once per use as long as all their uses together have this many vertices
+    /// at most: an instanced draw call of a handful of triangles costs more than the triangles.
+    pub(crate) merged_vertices: u64,
 }
 
 impl Capacity {
-    /// 64 MiB each: far below every driver's limit, and still few buffers for large scenes.
-    pub(crate) const DEFAULT: Self = Self { vertices: 1 << 21, indices: 3 << 22 };
+    /// 64 MiB and 48 MiB: far below every driver's limit, and still few buffers for large scenes.
+    pub(crate) const DEFAULT: Self = Self { vertices: 1 << 21, indices: 3 << 22, merged_vertices: 2048 };
 }
 
 /// Triangles of a primitive that are written next, for an object or (object [`NONE`]) for instances.
@@ -69,8 +70,20 @@ pub(crate) struct Piece {
     pub(crate) index_count: u32,
 }
 
-/// Where an object stands.
+/// What batching reads of every visible object: half a cache line.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub(crate) struct Spot {
+    /// Middle of its box, world space.
+    pub(crate) center: DVec3,
+    pub(crate) triangles: u32,
+    /// Its group of instances (mesh and handedness), or [`NONE`].
+    pub(crate) group: u32,
+}
+
+/// Where an object stands: one cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(crate) struct Place {
     /// Columns of the linear part.
     pub(crate) columns: [[f32; 3]; 3],
@@ -92,15 +105,10 @@ pub(crate) struct Layout {
     pub(crate) part_ids: Vec<u32>,
     /// Parts of instanced meshes, by class.
     pub(crate) pieces: Vec<Piece>,
-    /// Per object: its group of instances (mesh and handedness), or [`NONE`].
-    pub(crate) group_of: Vec<u32>,
+    pub(crate) spots: Vec<Spot>,
     /// Per group: whether its instances are mirrored.
     pub(crate) mirrored: Vec<bool>,
     pub(crate) places: Vec<Place>,
-    /// Per object: middle of its box, for sorting blended ones.
-    pub(crate) centers: Vec<DVec3>,
-    /// Per object: its triangles.
-    pub(crate) triangles: Vec<u32>,
     pub(crate) chunk_textured: Vec<bool>,
     pub(crate) sources: Vec<Source>,
     pub(crate) sets: Vec<crate::class::TextureSet>,
@@ -126,16 +134,17 @@ pub(crate) fn is_mirrored(to_world: &DAffine3) -> bool {
 }
 
 /// Which meshes are drawn by instances.
-fn instanced_meshes(data: &SceneData) -> Vec<bool> {
+fn instanced_meshes(data: &SceneData, merged_vertices: u64) -> Vec<bool> {
     let mut uses = vec![0u64; data.meshes.len()];
     for object in &data.objects {
         uses[object.mesh as usize] += 1;
     }
-    let vertices = |mesh: usize| data.meshes[mesh].primitives.iter().map(|p| p.positions.len() as u64).sum::<u64>();
+    let vertices =
+        |mesh: usize| data.meshes[mesh].primitives.iter().map(|p| p.positions.len() as u64).sum::<u64>();
     let mut small: Vec<(u64, usize)> = (0..data.meshes.len())
         .filter(|&mesh| uses[mesh] > 1)
         .map(|mesh| (uses[mesh] * vertices(mesh), mesh))
-        .filter(|&(total, _)| total <= MERGED_VERTICES)
+        .filter(|&(total, _)| total <= merged_vertices)
         .collect();
     small.sort_unstable();
     let mut instanced: Vec<bool> = uses.iter().map(|&uses| uses > 1).collect();
@@ -164,7 +173,9 @@ impl Layout {
         let primitive_classes: Vec<Vec<Class>> = data
             .meshes
             .iter()
-            .map(|mesh| mesh.primitives.iter().map(|primitive| class_of(data, primitive, &mut sets)).collect())
+            .map(|mesh| {
+                mesh.primitives.iter().map(|primitive| class_of(data, primitive, &mut sets)).collect()
+            })
             .collect();
         let mut classes: Vec<Class> = primitive_classes.iter().flatten().copied().collect();
         classes.sort_unstable();
@@ -172,7 +183,7 @@ impl Layout {
         let class_index = |class: &Class| classes.binary_search(class).unwrap_or_default() as u32;
 
         let boxes: Vec<_> = data.meshes.iter().map(|mesh| mesh_box(mesh).unwrap_or_default()).collect();
-        let instanced = instanced_meshes(data);
+        let instanced = instanced_meshes(data, capacity.merged_vertices);
         let mut plan = Self { sets: sets.list, ..Self::default() };
         plan.describe_objects(data, &boxes, &instanced);
 
@@ -192,14 +203,16 @@ impl Layout {
 
         // Pieces: every group draws the same triangles of its mesh.
         let mut groups_of_mesh = vec![[NONE; 2]; data.meshes.len()];
-        for (object, &group) in data.objects.iter().zip(&plan.group_of) {
+        for (object, &Spot { group, .. }) in data.objects.iter().zip(&plan.spots) {
             if group != NONE {
                 groups_of_mesh[object.mesh as usize][usize::from(plan.mirrored[group as usize])] = group;
             }
         }
         let mut wanted: Vec<(u32, u32, u32)> = Vec::new();
         for (mesh, list) in primitive_classes.iter().enumerate().filter(|&(mesh, _)| instanced[mesh]) {
-            wanted.extend(list.iter().enumerate().map(|(i, class)| (class_index(class), mesh as u32, i as u32)));
+            wanted.extend(
+                list.iter().enumerate().map(|(i, class)| (class_index(class), mesh as u32, i as u32)),
+            );
         }
         wanted.sort_unstable();
         for (class, mesh, primitive) in wanted {
@@ -226,8 +239,8 @@ impl Layout {
             let m = object.to_world.matrix3;
             let columns = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.as_vec3().to_array());
             self.places.push(Place { columns, origin: object.to_world.translation });
-            self.centers.push(object.to_world.transform_point3(boxes[object.mesh as usize].0));
-            self.triangles.push(mesh_triangles[object.mesh as usize]);
+            let center = object.to_world.transform_point3(boxes[object.mesh as usize].0);
+            let triangles = mesh_triangles[object.mesh as usize];
             let group = if instanced[object.mesh as usize] {
                 let mirrored = is_mirrored(&object.to_world);
                 *groups.entry((object.mesh, mirrored)).or_insert_with(|| {
@@ -237,7 +250,7 @@ impl Layout {
             } else {
                 NONE
             };
-            self.group_of.push(group);
+            self.spots.push(Spot { center, triangles, group });
         }
     }
 
@@ -252,10 +265,11 @@ impl Layout {
             let object = &data.objects[object as usize];
             turned(object.to_world.matrix3, boxes[object.mesh as usize].1)
         };
-        let limit = cluster_limit(wanted.iter().map(|&(.., object)| half(object).max_element() * 2.0).collect());
+        let limit =
+            cluster_limit(wanted.iter().map(|&(.., object)| half(object).max_element() * 2.0).collect());
         let mut extent: Option<(DVec3, DVec3)> = None;
         for &(class, _, primitive, object) in wanted {
-            let (center, half) = (self.centers[object as usize], half(object));
+            let (center, half) = (self.spots[object as usize].center, half(object));
             let (low, high) = (center - half, center + half);
             let joined = extent.map_or((low, high), |(l, h)| (l.min(low), h.max(high)));
             let allowed = limit.max(half.max_element() * 8.0);
@@ -328,7 +342,15 @@ struct Filler<'a> {
 
 impl<'a> Filler<'a> {
     fn new(data: &'a SceneData, capacity: Capacity, classes: &'a [Class]) -> Self {
-        Self { data, capacity, classes, vertices: 0, indices: 0, chunk_textured: Vec::new(), sources: Vec::new() }
+        Self {
+            data,
+            capacity,
+            classes,
+            vertices: 0,
+            indices: 0,
+            chunk_textured: Vec::new(),
+            sources: Vec::new(),
+        }
     }
 
     /// Gives a primitive its place, in several pieces when it is larger than a chunk.
@@ -344,7 +366,8 @@ impl<'a> Filler<'a> {
         let source = &self.data.meshes[mesh as usize].primitives[primitive as usize];
         let (vertices, triangles) = (source.positions.len() as u64, (source.indices.len() / 3) as u32);
         let whole = vertices <= u64::from(self.capacity.vertices) && triangles <= self.capacity.indices / 3;
-        let step = if whole { triangles } else { (self.capacity.indices.min(self.capacity.vertices) / 3).max(1) };
+        let step =
+            if whole { triangles } else { (self.capacity.indices.min(self.capacity.vertices) / 3).max(1) };
         let textured = self.classes[class as usize].textured != Textured::No;
         let mut first = 0;
         while first < triangles {

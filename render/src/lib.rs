@@ -1,4 +1,4 @@
-//! Draws many-object scenes with wgpu.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
 mod batch;
@@ -11,6 +11,7 @@ mod geometry;
 mod gpu;
 mod layout;
 mod mipmap;
+#[cfg(not(target_arch = "wasm32"))]
 mod offscreen;
 mod pipeline;
 mod renderer;
@@ -21,12 +22,15 @@ mod vertex;
 mod view;
 
 pub use batch::DrawStatistics;
-pub use data::{AlphaMode, Filter, Image, Material, Mesh, Object, Primitive, Sampler, SceneData, TextureRef, Wrap};
+pub use data::{
+    AlphaMode, Filter, Image, Material, Mesh, Object, Primitive, Sampler, SceneData, TextureRef, Wrap,
+};
 pub use error::RenderError;
 pub use frame::{Frame, Line};
 pub use gpu::{Gpu, GpuError};
-pub use offscreen::{FrameTime, ItemBuffer, NO_ITEM, Offscreen};
-pub use pipeline::{DEPTH_FORMAT, ITEM_FORMAT};
+#[cfg(not(target_arch = "wasm32"))]
+pub use offscreen::{FrameTime, ItemBuffer, Offscreen};
+pub use pipeline::{DEPTH_FORMAT, ITEM_FORMAT, NO_ITEM};
 pub use renderer::{ItemTarget, Renderer, Target};
 pub use scene::GpuScene;
 pub use view::View;

@@ -1,13 +1,10 @@
-//! Pictures without a window.
+//! Pictures without a window. Not in browsers, where nothing can wait for the GPU.
 
 use std::time::Instant;
 
 use crate::batch::DrawStatistics;
 use crate::pipeline::{DEPTH_FORMAT, ITEM_FORMAT};
 use crate::{Frame, Gpu, GpuScene, Image, ItemTarget, RenderError, Renderer, Target};
-
-/// In item buffers: nothing.
-pub const NO_ITEM: u32 = u32::MAX;
 
 const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
@@ -164,8 +161,10 @@ impl Offscreen {
     ) -> Result<ItemBuffer, RenderError> {
         let (width, height) = (self.color.width(), self.color.height());
         gpu.guarded(|| {
-            let [nearest, transparent] =
-                self.items.get_or_insert_with(|| [(); 2].map(|()| texture(gpu, width, height, ITEM_FORMAT))).clone();
+            let [nearest, transparent] = self
+                .items
+                .get_or_insert_with(|| [(); 2].map(|()| texture(gpu, width, height, ITEM_FORMAT)))
+                .clone();
             let target = ItemTarget {
                 nearest: nearest.create_view(&Default::default()),
                 transparent: transparent.create_view(&Default::default()),
@@ -280,7 +279,8 @@ fn mapped<T>(gpu: &Gpu, buffer: &wgpu::Buffer, look: impl FnOnce(&[u8]) -> T) ->
     wait(gpu)?;
     let lost = |error: String| RenderError::Lost(error);
     receiver.recv().map_err(|error| lost(error.to_string()))?.map_err(|error| lost(error.to_string()))?;
-    let result = buffer.get_mapped_range(..).map(|bytes| look(&bytes)).map_err(|error| lost(error.to_string()));
+    let result =
+        buffer.get_mapped_range(..).map(|bytes| look(&bytes)).map_err(|error| lost(error.to_string()));
     buffer.unmap();
     result
 }

@@ -13,6 +13,9 @@ pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Format of item targets.
 pub const ITEM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 
+/// In item targets and buffers: nothing.
+pub const NO_ITEM: u32 = u32::MAX;
+
 /// What tells pipelines apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Key {
@@ -34,7 +37,8 @@ impl Key {
             (Mode::Opaque, _) | (_, Textured::No) => Textured::No,
             _ => Textured::Color,
         };
-        let plain = Class { textured, flat: false, colors: false, unlit: false, emissive: false, set: 0, ..*class };
+        let plain =
+            Class { textured, flat: false, colors: false, unlit: false, emissive: false, set: 0, ..*class };
         Self { item: true, class: plain, mirrored, tinted: false }
     }
 
@@ -54,6 +58,8 @@ impl Key {
             ("BLEND", class.mode == Mode::Blend),
             ("CUT", class.mode != Mode::Opaque),
             ("TINTED", self.tinted),
+            ("TINT_PER_PIXEL", self.tinted && class.textured != Textured::No),
+            ("MATERIAL_PER_PIXEL", class.textured != Textured::No && !class.unlit),
         ];
         conditions.into_iter().filter(|&(_, on)| on).map(|(name, _)| name).collect()
     }
@@ -74,7 +80,8 @@ pub(crate) struct Layouts {
 
 impl Layouts {
     pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+        let entry =
+            |binding, visibility, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
         let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
@@ -129,17 +136,22 @@ impl Pipelines {
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes: &line_attributes,
         };
-        let simple = |label, source: &str, buffers: &[Option<wgpu::VertexBufferLayout<'_>>], topology, blend| {
-            make(device, &layout, &Recipe {
-                label,
-                source: &compose(&[FRAME, source], srgb),
-                buffers,
-                primitive: wgpu::PrimitiveState { topology, ..Default::default() },
-                depth_write: false,
-                depth_compare: wgpu::CompareFunction::GreaterEqual,
-                target: target(blend),
-            })
-        };
+        let simple =
+            |label, source: &str, buffers: &[Option<wgpu::VertexBufferLayout<'_>>], topology, blend| {
+                make(
+                    device,
+                    &layout,
+                    &Recipe {
+                        label,
+                        source: &compose(&[FRAME, source], srgb),
+                        buffers,
+                        primitive: wgpu::PrimitiveState { topology, ..Default::default() },
+                        depth_write: false,
+                        depth_compare: wgpu::CompareFunction::GreaterEqual,
+                        target: target(blend),
+                    },
+                )
+            };
         let sky_source = format!("{SKY}\n{unit}");
         let sky = simple("sky", &sky_source, &[], wgpu::PrimitiveTopology::TriangleList, None);
         let blend = Some(wgpu::BlendState::ALPHA_BLENDING);
@@ -176,23 +188,27 @@ fn scene_pipeline(
         buffer(size_of::<[f32; 2]>(), wgpu::VertexStepMode::Vertex, &uv),
     ];
     let blended = key.class.mode == Mode::Blend;
-    make(device, layout, &Recipe {
-        label: if key.item { "items" } else { "surfaces" },
-        source: &source,
-        buffers: if key.textured() { &buffers } else { &buffers[..2] },
-        primitive: wgpu::PrimitiveState {
-            front_face: if key.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
-            cull_mode: (!key.class.double_sided).then_some(wgpu::Face::Back),
-            ..Default::default()
+    make(
+        device,
+        layout,
+        &Recipe {
+            label: if key.item { "items" } else { "surfaces" },
+            source: &source,
+            buffers: if key.textured() { &buffers } else { &buffers[..2] },
+            primitive: wgpu::PrimitiveState {
+                front_face: if key.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
+                cull_mode: (!key.class.double_sided).then_some(wgpu::Face::Back),
+                ..Default::default()
+            },
+            depth_write: key.item || !blended,
+            depth_compare: wgpu::CompareFunction::Greater,
+            target: wgpu::ColorTargetState {
+                format: if key.item { ITEM_FORMAT } else { format },
+                blend: (blended && !key.item).then_some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            },
         },
-        depth_write: key.item || !blended,
-        depth_compare: wgpu::CompareFunction::Greater,
-        target: wgpu::ColorTargetState {
-            format: if key.item { ITEM_FORMAT } else { format },
-            blend: (blended && !key.item).then_some(wgpu::BlendState::ALPHA_BLENDING),
-            write_mask: wgpu::ColorWrites::ALL,
-        },
-    })
+    )
 }
 
 struct Recipe<'a> {

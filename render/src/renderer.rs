@@ -3,9 +3,8 @@
 use std::mem::size_of;
 
 use crate::batch::{Batcher, Draw, DrawStatistics};
-use crate::class::Mode;
 use crate::frame::{Frame, FrameUniform};
-use crate::pipeline::{Key, Pipelines};
+use crate::pipeline::{Key, NO_ITEM, Pipelines};
 use crate::vertex::{LineVertex, Row};
 use crate::{Gpu, GpuScene};
 
@@ -145,7 +144,10 @@ impl Renderer {
                 view: &target.color,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
             })],
             depth_stencil_attachment: Some(depth(&target.depth, wgpu::LoadOp::Clear(0.0))),
             timestamp_writes,
@@ -180,7 +182,7 @@ impl Renderer {
         encoder: &mut wgpu::CommandEncoder,
     ) -> DrawStatistics {
         self.prepare(gpu, scene, &Frame { lines: &[], ..*frame }, target.width, target.height);
-        let nothing = wgpu::Color { r: f64::from(u32::MAX), g: 0.0, b: 0.0, a: 0.0 };
+        let nothing = wgpu::Color { r: f64::from(NO_ITEM), g: 0.0, b: 0.0, a: 0.0 };
         let set = &self.sets[self.next];
         let (opaque, blended) = self.batcher.draws.split_at(self.batcher.blended);
         let key = |draw: &Draw| Key::item(&scene.layout.classes[draw.class as usize], draw.mirrored);
@@ -211,12 +213,17 @@ impl Renderer {
         self.batcher.plan(&scene.layout, frame.objects, eye);
         self.lines.clear();
         self.lines.extend(frame.lines.iter().flat_map(|line| {
-            let end = |p: glam::DVec3| LineVertex { position: (p - eye).as_vec3().to_array(), color: line.color };
+            let end =
+                |p: glam::DVec3| LineVertex { position: (p - eye).as_vec3().to_array(), color: line.color };
             [end(line.from), end(line.to)]
         }));
         self.next = (self.next + 1) % SETS;
         let set = &mut self.sets[self.next];
-        gpu.queue.write_buffer(&set.uniform, 0, bytemuck::bytes_of(&FrameUniform::new(&frame.view, width, height)));
+        gpu.queue.write_buffer(
+            &set.uniform,
+            0,
+            bytemuck::bytes_of(&FrameUniform::new(&frame.view, width, height)),
+        );
         set.rows.write(gpu, bytemuck::cast_slice(&self.batcher.rows));
         set.lines.write(gpu, bytemuck::cast_slice(&self.lines));
     }
@@ -272,5 +279,3 @@ fn encode(
         last = Some(draw);
     }
 }
-
-const _: () = assert!(matches!(Mode::Blend as u8, 2), "blended classes sort last");

@@ -54,8 +54,11 @@ impl GpuScene {
         }
         let most = limits.max_buffer_size;
         let capacity = Capacity {
-            vertices: Capacity::DEFAULT.vertices.min((most / size_of::<Vertex>() as u64).try_into().unwrap_or(u32::MAX)),
+            vertices: Capacity::DEFAULT
+                .vertices
+                .min((most / size_of::<Vertex>() as u64).try_into().unwrap_or(u32::MAX)),
             indices: Capacity::DEFAULT.indices.min((most / 4).try_into().unwrap_or(u32::MAX)),
+            ..Capacity::DEFAULT
         };
         let row_bytes = data.objects.len() as u64 * size_of::<crate::vertex::Row>() as u64;
         if row_bytes > most {
@@ -80,7 +83,7 @@ impl GpuScene {
 
     /// Triangles of an object, 0 for one that does not exist.
     pub fn triangles(&self, object: u32) -> u32 {
-        self.layout.triangles.get(object as usize).copied().unwrap_or(0)
+        self.layout.spots.get(object as usize).map_or(0, |spot| spot.triangles)
     }
 
     /// Bytes of geometry and textures on the GPU.
@@ -93,13 +96,13 @@ impl GpuScene {
     pub fn set_tints(&mut self, gpu: &Gpu, tints: Option<&[[u8; 4]]>) {
         self.tints.on = tints.is_some();
         let Some(tints) = tints else { return };
-        let rows = (self.layout.triangles.len() as u32).div_ceil(TINTS_PER_ROW).max(1);
+        let rows = (self.layout.spots.len() as u32).div_ceil(TINTS_PER_ROW).max(1);
         if self.tints.texture.width() != TINTS_PER_ROW {
             self.tints = Tints::new(gpu, &Layouts::new(&gpu.device), TINTS_PER_ROW, rows);
             self.tints.on = true;
         }
         let mut texels = vec![[0; 4]; (TINTS_PER_ROW * rows) as usize];
-        let count = tints.len().min(self.layout.triangles.len());
+        let count = tints.len().min(self.layout.spots.len());
         texels[..count].copy_from_slice(&tints[..count]);
         let bytes = bytemuck::cast_slice(&texels);
         textures::write(&gpu.queue, &self.tints.texture, 0, TINTS_PER_ROW, rows, bytes);
@@ -122,7 +125,10 @@ impl Tints {
         let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("tints"),
             layout: &layouts.tints,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) }],
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(&view),
+            }],
         });
         Self { texture, bind_group, on: false }
     }
@@ -143,10 +149,15 @@ fn upload_chunks(gpu: &Gpu, data: &SceneData, layout: &Layout) -> Result<(Vec<Ch
             bytes += content.len() as u64;
             filled_buffer(gpu, label, usage, content)
         };
-        let vertices = buffer("vertices", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&geometry.vertices))?;
+        let vertices =
+            buffer("vertices", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&geometry.vertices))?;
         let indices = buffer("indices", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&geometry.indices))?;
         let uvs = if textured {
-            Some(buffer("texture coordinates", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&geometry.uvs))?)
+            Some(buffer(
+                "texture coordinates",
+                wgpu::BufferUsages::VERTEX,
+                bytemuck::cast_slice(&geometry.uvs),
+            )?)
         } else {
             None
         };
@@ -171,6 +182,9 @@ fn filled_buffer(
     });
     gpu.queue.write_buffer(&buffer, 0, content);
     gpu.queue.submit([]);
-    gpu.device.poll(wgpu::PollType::Poll).map_err(|error| RenderError::Lost(error.to_string()))?;
+    // Returns at once in browsers.
+    gpu.device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .map_err(|error| RenderError::Lost(error.to_string()))?;
     Ok(buffer)
 }

@@ -7,7 +7,12 @@ use crate::pipeline::Layouts;
 use crate::{Filter, Gpu, Image, Sampler, TextureRef, Wrap, mipmap};
 
 /// One bind group per texture set, and the bytes all textures take.
-pub(crate) fn upload(gpu: &Gpu, layouts: &Layouts, images: &[Image], sets: &[TextureSet]) -> (Vec<wgpu::BindGroup>, u64) {
+pub(crate) fn upload(
+    gpu: &Gpu,
+    layouts: &Layouts,
+    images: &[Image],
+    sets: &[TextureSet],
+) -> (Vec<wgpu::BindGroup>, u64) {
     let mut store = Store { gpu, images, views: HashMap::new(), samplers: HashMap::new(), bytes: 0 };
     let white = Image { width: 1, height: 1, rgba: vec![255; 4] };
     let white = store.texture(&white, false);
@@ -25,7 +30,12 @@ struct Store<'a> {
 }
 
 impl Store<'_> {
-    fn bind_group(&mut self, layouts: &Layouts, set: &TextureSet, white: &wgpu::TextureView) -> wgpu::BindGroup {
+    fn bind_group(
+        &mut self,
+        layouts: &Layouts,
+        set: &TextureSet,
+        white: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
         let pairs: Vec<_> = set
             .iter()
             .zip([true, false, true])
@@ -38,8 +48,14 @@ impl Store<'_> {
             .zip(&pairs)
             .flat_map(|(i, (view, sampler))| {
                 [
-                    wgpu::BindGroupEntry { binding: 2 * i, resource: wgpu::BindingResource::TextureView(view) },
-                    wgpu::BindGroupEntry { binding: 2 * i + 1, resource: wgpu::BindingResource::Sampler(sampler) },
+                    wgpu::BindGroupEntry {
+                        binding: 2 * i,
+                        resource: wgpu::BindingResource::TextureView(view),
+                    },
+                    wgpu::BindGroupEntry {
+                        binding: 2 * i + 1,
+                        resource: wgpu::BindingResource::Sampler(sampler),
+                    },
                 ]
             })
             .collect();
@@ -64,8 +80,10 @@ impl Store<'_> {
     fn texture(&mut self, image: &Image, srgb: bool) -> wgpu::TextureView {
         let most = self.gpu.device.limits().max_texture_dimension_2d;
         let smaller = mipmap::smaller(image, srgb);
-        let levels: Vec<&Image> =
-            std::iter::once(image).chain(&smaller).filter(|level| level.width.max(level.height) <= most).collect();
+        let levels: Vec<&Image> = std::iter::once(image)
+            .chain(&smaller)
+            .filter(|level| level.width.max(level.height) <= most)
+            .collect();
         let first = levels[0];
         let texture = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("image"),
@@ -114,7 +132,14 @@ impl Store<'_> {
 }
 
 /// Writes one level of a texture of four bytes a texel.
-pub(crate) fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, mip_level: u32, width: u32, height: u32, rgba: &[u8]) {
+pub(crate) fn write(
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+    mip_level: u32,
+    width: u32,
+    height: u32,
+    rgba: &[u8],
+) {
     queue.write_texture(
         wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() },
         rgba,

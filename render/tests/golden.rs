@@ -67,14 +67,22 @@ fn opaque(origin: DVec3) -> SceneData {
         Material { emissive: [0.0, 0.6, 2.0], ..material([0.02, 0.02, 0.02, 1.0]) },
         Material { unlit: true, ..material([0.1, 0.5, 0.2, 1.0]) },
     ];
-    let meshes =
-        vec![mesh(cube(), 0), mesh(flat, 1), mesh(sphere(32, 16), 2), mesh(sphere(24, 12), 3), mesh(cube(), 4)];
+    let meshes = vec![
+        mesh(cube(), 0),
+        mesh(flat, 1),
+        mesh(sphere(32, 16), 2),
+        mesh(sphere(24, 12), 3),
+        mesh(cube(), 4),
+    ];
     let objects = vec![
         object(0, scaled(8.0, 0.1, 8.0, origin + DVec3::new(0.0, -1.1, 0.0))),
         object(1, scaled(1.0, 1.0, 1.0, origin + DVec3::new(-2.4, 0.0, 0.0))),
         object(2, scaled(1.0, 1.0, 1.0, origin)),
         object(3, scaled(0.5, 0.5, 0.5, origin + DVec3::new(1.6, -0.5, 1.0))),
-        object(4, DAffine3::from_translation(origin + DVec3::new(3.0, 0.0, -0.5)) * DAffine3::from_rotation_y(0.6)),
+        object(
+            4,
+            DAffine3::from_translation(origin + DVec3::new(3.0, 0.0, -0.5)) * DAffine3::from_rotation_y(0.6),
+        ),
     ];
     SceneData { meshes, materials, objects, images: Vec::new() }
 }
@@ -113,7 +121,8 @@ fn textures_masks_and_mipmaps() {
         checks(64, [255, 120, 0, 255], [0, 0, 0, 255]),
     ];
     let white = material([1.0; 4]);
-    let nearest = Sampler { wrap_u: Wrap::Mirror, wrap_v: Wrap::Clamp, magnify: Filter::Nearest, ..Sampler::default() };
+    let nearest =
+        Sampler { wrap_u: Wrap::Mirror, wrap_v: Wrap::Clamp, magnify: Filter::Nearest, ..Sampler::default() };
     let materials = vec![
         Material { base_color_texture: texture(0), ..white.clone() },
         Material {
@@ -190,7 +199,8 @@ fn double_sided_and_mirrored() {
         let turn = DAffine3::from_rotation_y(f64::from(column) * 0.7);
         for (row, mirror) in [(0, 1.0), (1, -1.0)] {
             let place = DVec3::new(f64::from(column) * 1.2 - 3.0, 1.3 - f64::from(row) * 1.2, 0.0);
-            let to_world = DAffine3::from_translation(place) * turn * scaled(0.5 * mirror, 0.5, 0.5, DVec3::ZERO);
+            let to_world =
+                DAffine3::from_translation(place) * turn * scaled(0.5 * mirror, 0.5, 0.5, DVec3::ZERO);
             objects.push(object(column % 2, to_world));
         }
         let place = DVec3::new(f64::from(column) * 1.2 - 3.0, -1.1, 0.0);
@@ -210,7 +220,8 @@ fn vertex_colours() {
     square.normals.clear();
     let materials = vec![material([1.0; 4]), Material { unlit: true, ..material([0.8, 0.8, 0.8, 1.0]) }];
     let meshes = vec![mesh(ball, 0), mesh(square.clone(), 0), mesh(square, 1)];
-    let objects = vec![object(0, at(-2.4, 0.0, 0.0)), object(1, at(0.0, 0.0, 0.0)), object(2, at(2.3, 0.0, 0.0))];
+    let objects =
+        vec![object(0, at(-2.4, 0.0, 0.0)), object(1, at(0.0, 0.0, 0.0)), object(2, at(2.3, 0.0, 0.0))];
     let data = SceneData { meshes, materials, objects, images: Vec::new() };
     check("colours", &Studio::new(&data, WIDTH, HEIGHT).image(view([0.0, 0.3, 4.5], [0.0, 0.0, 0.0]), &[]));
 }
@@ -233,15 +244,19 @@ fn grid() -> SceneData {
 
 #[test]
 fn instances_in_a_grid() {
-    check("instances", &Studio::new(&grid(), WIDTH, HEIGHT).image(view([3.0, 6.0, 16.0], [0.0, 0.0, 0.0]), &[]));
+    check(
+        "instances",
+        &Studio::new(&grid(), WIDTH, HEIGHT).image(view([3.0, 6.0, 16.0], [0.0, 0.0, 0.0]), &[]),
+    );
 }
 
 #[test]
 fn tints_and_lines() {
     let data = grid();
     let mut studio = Studio::new(&data, WIDTH, HEIGHT);
-    let tints: Vec<[u8; 4]> =
-        (0..data.objects.len()).map(|i| [(i % 256) as u8, 200, 40, if i % 3 == 0 { 0 } else { 230 }]).collect();
+    let tints: Vec<[u8; 4]> = (0..data.objects.len())
+        .map(|i| [(i % 256) as u8, 200, 40, if i % 3 == 0 { 0 } else { 230 }])
+        .collect();
     studio.scene.set_tints(gpu(), Some(&tints));
     let ring = |i: u32| {
         let angle = f64::from(i) / 48.0 * std::f64::consts::TAU;

@@ -3,7 +3,8 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use svs_render::{
-    Frame, Gpu, GpuScene, Image, ItemBuffer, Line, Material, Mesh, Object, Offscreen, Primitive, SceneData, View,
+    Frame, Gpu, GpuScene, Image, ItemBuffer, Line, Material, Mesh, Object, Offscreen, Primitive, SceneData,
+    View,
 };
 
 /// The GPU, once per test program: drivers do not like being opened by many threads at once.
@@ -17,7 +18,11 @@ pub(crate) fn material(base_color: [f32; 4]) -> Material {
 }
 
 /// A grid of quads over u, v in 0 to 1.
-pub(crate) fn surface(columns: u32, rows: u32, point: impl Fn(f32, f32) -> ([f32; 3], [f32; 3])) -> Primitive {
+pub(crate) fn surface(
+    columns: u32,
+    rows: u32,
+    point: impl Fn(f32, f32) -> ([f32; 3], [f32; 3]),
+) -> Primitive {
     let mut primitive = Primitive::default();
     for row in 0..=rows {
         for column in 0..=columns {
