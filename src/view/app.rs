@@ -328,6 +328,7 @@ impl ApplicationHandler<Woken> for App {
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(parts) = &mut self.parts else { return };
+        let mut for_scene = false;
         match &event {
             WindowEvent::RedrawRequested => return self.redraw(event_loop),
             WindowEvent::CloseRequested => return event_loop.exit(),
@@ -335,12 +336,13 @@ impl ApplicationHandler<Woken> for App {
             WindowEvent::DroppedFile(path) => parts.viewer.open(path),
             WindowEvent::Focused(false) => parts.viewer.held.clear(),
             WindowEvent::KeyboardInput { event, .. } => {
-                if parts.key(event) {
-                    parts.window.request_redraw();
-                    return;
-                }
+                for_scene = parts.key(event);
             }
             _ => {}
+        }
+        if for_scene {
+            parts.window.request_redraw();
+            return;
         }
         if parts.egui.on_window_event(&parts.window, &event).repaint {
             parts.window.request_redraw();

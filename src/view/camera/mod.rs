@@ -183,7 +183,7 @@ impl Rig {
 
     /// Moves as the keys say for some seconds.
     pub(crate) fn advance(&mut self, motion: &Motion, seconds: f64, recording: bool) {
-        if !motion.moves() || !(seconds > 0.0) {
+        if !motion.moves() || seconds.is_nan() || seconds <= 0.0 {
             return;
         }
         // After a stall (a file was loaded) the camera shall not leap.

@@ -82,7 +82,7 @@ fn thresholds(state: &State) -> String {
     let tau = state.settings().tau;
     let name = |pixels: f32| match pixels {
         p if p.is_infinite() => "off".to_owned(),
-        p if p == 0.0 => "all".to_owned(),
+        0.0 => "all".to_owned(),
         p if p < 10.0 => format!("{p:.1} px"),
         p => format!("{p:.0} px"),
     };
