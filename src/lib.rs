@@ -25,7 +25,8 @@
 //! - [`validate`] checks a file against the extension's schema and its scene.
 //! - [`generate`] makes the sample scenes.
 //! - [`camera_path`] is where a camera goes.
-//! - With the feature `render`, `appearance` reads how a scene looks, and `stage` opens a file for drawing.
+//! - With the feature `render`, `appearance` reads how a scene looks, `stage` opens a file for drawing, and `view` shows it
+//!   in a window.
 
 #[cfg(feature = "render")]
 pub mod appearance;
@@ -41,3 +42,5 @@ pub mod scene;
 pub mod stage;
 pub mod validate;
 pub mod verify;
+#[cfg(feature = "render")]
+pub mod view;

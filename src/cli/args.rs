@@ -58,6 +58,8 @@ pub(crate) enum Command {
     Evaluate(super::evaluate::Evaluate),
     Sample(Sample),
     Strip(Strip),
+    #[cfg(feature = "render")]
+    View(View),
 }
 
 /// Bake a scene: adds visibility to a copy of IN
@@ -228,6 +230,46 @@ pub(crate) struct Strip {
     pub(crate) output: PathBuf,
 }
 
+/// Look at a scene in a window: what is drawn, what is skipped, and why
+///
+/// Files without baked visibility are shown too, with frustum culling. A file dropped on the window is opened.
+#[cfg(feature = "render")]
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  svs view plant.svs.glb
+  svs view plant.svs.glb --method frustum --camera path.json
+  svs view plant.svs.glb --size 1280x800 --screenshot window.png --after 3
+
+F1 in the window shows all keys.")]
+pub(crate) struct View {
+    /// File to open; without one, the window waits for a file to be dropped
+    #[arg(value_name = "FILE")]
+    pub(crate) file: Option<PathBuf>,
+    /// 0 (fewest triangles) to 1 (fewest missing pixels) [default: 0.5]
+    #[arg(long, value_name = "Q", value_parser = quality)]
+    pub(crate) quality: Option<f32>,
+    /// What is drawn: nothing is culled, frustum, visibility or exact [default: visibility]
+    #[arg(long, value_name = "METHOD")]
+    pub(crate) method: Option<svs::stage::Method>,
+    /// Where to look from at first: a camera or camera path file
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) camera: Option<PathBuf>,
+    /// Size of the window's inside in pixels [default: 1280x800]
+    #[arg(long, value_name = "WxH", value_parser = window_size)]
+    pub(crate) size: Option<[u32; 2]>,
+    /// Write a picture of the window and close it
+    #[arg(long, value_name = "OUT.png", conflicts_with = "script")]
+    pub(crate) screenshot: Option<PathBuf>,
+    /// Frames to draw before the picture is taken
+    #[arg(long, value_name = "N", default_value_t = 2, requires = "screenshot",
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) after: u32,
+    /// Run the steps of this file: a JSON list that sets what the controls set
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) script: Option<PathBuf>,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum QualityName {
     Draft,
@@ -265,4 +307,22 @@ pub(crate) fn share(text: &str) -> Result<f64, String> {
         Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
         _ => Err("a share from 0 to 1 is needed, such as 0.05".to_owned()),
     }
+}
+
+/// A quality, 0 to 1.
+#[cfg(feature = "render")]
+fn quality(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("a number from 0 to 1 is needed, such as 0.5".to_owned()),
+    }
+}
+
+/// Width and height in pixels.
+#[cfg(feature = "render")]
+fn window_size(text: &str) -> Result<[u32; 2], String> {
+    let side = |text: &str| text.parse::<u32>().ok().filter(|side| (16..=16_384).contains(side));
+    text.split_once('x')
+        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
+        .ok_or_else(|| "two numbers from 16 to 16384 are needed, such as 1280x800".to_owned())
 }

@@ -23,6 +23,8 @@ mod strip;
 mod tree_weights;
 mod validate;
 mod verify;
+#[cfg(feature = "render")]
+mod view;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -58,5 +60,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Evaluate(args) => evaluate::run(args, &cli.common),
         Command::Sample(args) => sample::run(args, &cli.common),
         Command::Strip(args) => strip::run(args, &cli.common),
+        #[cfg(feature = "render")]
+        Command::View(args) => view::run(args),
     }
 }
