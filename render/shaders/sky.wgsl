@@ -6,7 +6,8 @@ fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
 
 @fragment
 fn fragment(@builtin(position) pixel: vec4<f32>) -> @location(0) vec4<f32> {
-    let height = unit(ray(pixel.xy)).y;
+    // Along the vertical of the image, not of the sphere: a square root less in every pixel.
+    let height = clamp(ray(pixel.xy).y, -1.0, 1.0);
     let above = mix(vec3<f32>(0.62, 0.70, 0.78), vec3<f32>(0.24, 0.38, 0.60), max(height, 0.0));
     let below = mix(vec3<f32>(0.38, 0.37, 0.36), vec3<f32>(0.20, 0.19, 0.18), max(-height, 0.0));
     return vec4<f32>(encode(mix(below, above, clamp(height * 20.0 + 0.5, 0.0, 1.0))), 1.0);

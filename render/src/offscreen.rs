@@ -28,9 +28,9 @@ pub struct ItemBuffer {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Per pixel: the nearest opaque or masked object, or [`NO_ITEM`].
+    /// Per pixel: the nearest opaque or masked object, or [`NO_ITEM`](crate::NO_ITEM).
     pub nearest: Vec<u32>,
-    /// Per pixel: the nearest blended object in front of it, or [`NO_ITEM`].
+    /// Per pixel: the nearest blended object in front of it, or [`NO_ITEM`](crate::NO_ITEM).
     pub transparent: Vec<u32>,
 }
 

@@ -128,7 +128,6 @@ impl Pipelines {
             immediate_size: 0,
         });
         let srgb: &[&str] = if format.is_srgb() { &["SRGB_TARGET"] } else { &[] };
-        let unit = "fn unit(v: vec3<f32>) -> vec3<f32> { return v * inverseSqrt(max(dot(v, v), 1e-30)); }";
         let target = |blend| wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL };
         let line_attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4];
         let line_layout = wgpu::VertexBufferLayout {
@@ -152,8 +151,7 @@ impl Pipelines {
                     },
                 )
             };
-        let sky_source = format!("{SKY}\n{unit}");
-        let sky = simple("sky", &sky_source, &[], wgpu::PrimitiveTopology::TriangleList, None);
+        let sky = simple("sky", SKY, &[], wgpu::PrimitiveTopology::TriangleList, None);
         let blend = Some(wgpu::BlendState::ALPHA_BLENDING);
         let lines = simple("lines", LINES, &[Some(line_layout)], wgpu::PrimitiveTopology::LineList, blend);
         Self { layouts, layout, format, made: HashMap::new(), sky, lines }
