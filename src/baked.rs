@@ -120,6 +120,7 @@ impl Baked {
     }
 
     /// The trees, in the order of the file.
+    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub(crate) fn trees(&self) -> &[Arc<Tree>] {
         self.visibility.trees()
     }
@@ -174,6 +175,7 @@ impl Baked {
     }
 
     /// Default settings: at the recommended quality, if there is one.
+    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub(crate) fn settings(&self) -> Settings {
         self.recommended().map_or_else(Settings::default, Settings::from_quality)
     }

@@ -81,7 +81,7 @@ impl Geometry<'_> {
             }
         }
         // One normal that is none would be a black spot: the faces' own are better then.
-        if out.normals.iter().any(|normal| *normal == [0.0; 3]) {
+        if out.normals.contains(&[0.0; 3]) {
             out.normals.clear();
         }
         if let Some((_, transform)) = self.materials.mapping(primitive.material) {
