@@ -48,7 +48,7 @@ fn mouse_and_keyboard_move_cameras_and_change_settings() {
         let place = &open.state()["places"]["quality"];
         (number(&place[0]) as i64 + 8, (number(&place[1]) + number(&place[3]) * 0.5) as i64)
     };
-    stand.display.xdotool(&format!("mousemove {x} {y} sleep 0.2 click 1"));
+    stand.display.xdotool(&format!("mousemove {x} {y} sleep 0.3 mousedown 1 sleep 0.5 mouseup 1"));
     open.until("a low quality", |state| number(&state["state"]["quality"]) < 0.1);
     open.click("spheres");
     open.until("spheres", |state| state["state"]["spheres"] == true);
