@@ -48,10 +48,10 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     });
 }
 
-/// Marks of an axis up to `largest` and one beyond.
+/// Marks of an axis from 0 up to `largest`.
 fn marks(largest: f64) -> Vec<GridMark> {
     let step_size = step(largest);
-    let count = (largest / step_size) as usize + 1;
+    let count = (largest / step_size) as usize;
     (0..=count).map(|index| GridMark { value: index as f64 * step_size, step_size }).collect()
 }
 
