@@ -138,9 +138,11 @@ impl Parts {
             let reuse = self.canvas.take().map(|canvas| canvas.id);
             self.canvas = Some(Canvas::new(&self.gpu, &mut self.painter, self.viewer.viewport, reuse));
         }
+        let drawn = self.viewer.history.total();
         if let Some(canvas) = &self.canvas {
             self.viewer.draw(canvas, is_new)?;
         }
+        let panel_is_old = self.viewer.history.total() != drawn;
 
         let shapes = context.tessellate(output.shapes, output.pixels_per_point);
         for (id, deltas) in &output.textures_delta.set {
@@ -160,8 +162,8 @@ impl Parts {
         for id in &output.textures_delta.free {
             self.painter.free_texture(id);
         }
-        // The first frame had no picture of the scene to show.
-        Ok(if is_new { Duration::ZERO } else { repaint })
+        // The panel was laid out before the figures of this frame were known, the first one without a picture.
+        Ok(if is_new || panel_is_old { Duration::ZERO } else { repaint })
     }
 
     /// Writes what was just painted as a file.

@@ -61,9 +61,11 @@ fn mouse_and_keyboard_move_cameras_and_change_settings() {
 
     // An object, then its button.
     stand.display.xdotool("mousemove 476 400 sleep 0.2 click 1");
-    open.until("a selection", |state| state["picked"] != json!(null));
+    open.until("a selection", |state| {
+        state["picked"] != json!(null) && state["places"]["hide"] != json!(null)
+    });
     open.click("hide");
-    open.until("a hidden object", |state| state["hidden"] == 1);
+    open.until("a hidden object", |state| state["hidden"] == 1 && state["places"]["show_all"] != json!(null));
     open.click("show_all");
     open.until("all objects", |state| state["hidden"] == 0);
 
