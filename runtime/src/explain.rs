@@ -187,7 +187,7 @@ impl Instance {
             return Reason::NotVisible { node: node_index, height, level };
         }
         let distance_squared = to_eye.length_squared();
-        let pixels = visible_pixels(self, camera, Measured { place, height });
+        let pixels = f64::from(visible_pixels(self, camera, Measured { place, height }).expected);
         let drawn = Reason::Sphere { node: node_index, height, level, pixels };
         let passes = |thresholds: &Thresholds| {
             pass.passes(object, height, to_eye, distance_squared, bins.as_ref(), thresholds)

@@ -3,7 +3,7 @@
 use crate::bounds::{Bounds, BoundsError};
 use crate::budget::{Budget, Capacity, Selection};
 use crate::camera::Camera;
-use crate::estimate::{pixels, visible_pixels};
+use crate::estimate::{Estimate, visible_pixels};
 use crate::hits::{Hits, Measured};
 use crate::loose::Loose;
 use crate::query::Settings;
@@ -29,7 +29,7 @@ pub(crate) struct Within {
 struct Candidate {
     draw: Draw,
     key: Key,
-    pixels: f32,
+    estimate: Estimate,
     triangles: u32,
 }
 
@@ -112,8 +112,9 @@ impl SceneCuller {
     /// What to draw within a budget: [`Self::cull`], and of that what shows most for what it costs. What is drawn never
     /// costs more than the budget. Allocates nothing once warm.
     ///
-    /// An object's value is the least of its estimated visible pixels, the pixels of its box and those of the image (see
-    /// [`Camera::pixels_per_radian`]); one around the eye is worth the image. Objects are taken by value per triangle, or
+    /// An object's visible pixels are estimated as the least of those that were seen of it, the pixels of its box and those
+    /// of the image (see [`Camera::pixels_per_radian`]), less where few bins around its direction see it; its value is
+    /// that, with a border of three pixels; one around the eye is worth the image. Objects are taken by value per triangle, or
     /// per millisecond, and one that does not fit does not keep smaller ones out. What was drawn in the last frame counts
     /// more, see [`Self::set_hysteresis`].
     pub fn cull_within(&mut self, camera: &Camera, settings: &Settings, budget: &Budget<'_>) -> &[Draw] {
@@ -141,7 +142,8 @@ impl SceneCuller {
                 while before.next_if(|key| **key < candidate.key).is_some() {}
                 let again = steady && before.peek().is_some_and(|key| **key == candidate.key);
                 let factor = if again { within.hysteresis } else { 1.0 };
-                let value = f64::from(candidate.pixels) * factor;
+                let estimate = candidate.estimate;
+                let value = if published { f64::from(estimate.most) } else { estimate.value() * factor };
                 within.selector.push(value, candidate.triangles, again, capacity);
             }
             if published {
@@ -162,7 +164,7 @@ impl SceneCuller {
                     within.chosen.push(candidate.key);
                 }
             } else {
-                selection.dropped_pixels += f64::from(candidate.pixels);
+                selection.dropped_pixels += f64::from(candidate.estimate.expected);
             }
         }
         within.selection = Some(selection);
@@ -200,7 +202,7 @@ impl SceneCuller {
             candidates.push(Candidate {
                 draw: Draw { tree: placed.tree, anchor: placed.anchor, object: hit.place },
                 key: (placed.rank, hit.place),
-                pixels: visible_pixels(&placed.instance, local, hit) as f32,
+                estimate: visible_pixels(&placed.instance, local, hit),
                 triangles: within.triangles_of(placed.tree, hit.place),
             });
         };
@@ -211,7 +213,7 @@ impl SceneCuller {
             candidates.push(Candidate {
                 draw: Draw { tree: LOOSE, anchor: 0, object: loose.object(place) },
                 key: (LOOSE, place),
-                pixels: pixels(loose.bounds(place as usize), camera, f64::INFINITY) as f32,
+                estimate: Estimate::of_box(loose.bounds(place as usize), camera),
                 triangles: loose.triangles(place),
             });
         });

@@ -6,16 +6,8 @@ use std::process::Command;
 
 /// Packages of Debian and its relatives. The libraries are those that the viewer loads at run time on X11.
 const VULKAN: &[&str] = &["mesa-vulkan-drivers"];
-const DISPLAY: &[&str] = &[
-    "xvfb",
-    "xdotool",
-    "libx11-6",
-    "libx11-xcb1",
-    "libxcursor1",
-    "libxi6",
-    "libxkbcommon-x11-0",
-    "libxrandr2",
-];
+const DISPLAY: &[&str] =
+    &["xvfb", "xdotool", "libx11-6", "libx11-xcb1", "libxcursor1", "libxi6", "libxkbcommon-x11-0"];
 
 /// Installs what is missing. Nothing is done where there is no `apt-get`: the tests then say what they lack.
 pub(crate) fn install() -> Result<(), String> {
