@@ -130,7 +130,7 @@ impl Plot {
     fn axis(&self) -> Axis {
         let logarithmic = self.scale == Scale::Logarithmic;
         let values = self.series.iter().flat_map(|series| &series.values).copied();
-        let values = values.filter(|v| v.is_finite() && (!logarithmic || *v > 0.0));
+        let values = values.filter(|v| v.is_finite() && (!logarithmic || *v >= SMALLEST));
         let (least, most) =
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         let linear = |low, high, step| Axis { low, high, step, logarithmic: false };
@@ -146,7 +146,7 @@ impl Plot {
             // All the same and equal to the end: a thousandth is room enough to see that.
             Scale::UpTo(end) => (least.min(end - 1e-3), most.max(end)),
         };
-        if most - least <= most.abs() * 1e-9 {
+        if most - least <= most.abs().max(least.abs()) * 1e-9 || most - least < SMALLEST {
             return linear(0.0, 1.0, 0.25);
         }
         let step = nice((most - least) / 4.0);
@@ -154,6 +154,10 @@ impl Plot {
         linear(low, low + ((most - low) / step - 1e-9).ceil().max(1.0) * step, step)
     }
 }
+
+/// Smaller differences are none, and smaller values have no place on a logarithmic axis: powers of ten must stay normal
+/// numbers. Nothing that is measured here is that small.
+const SMALLEST: f64 = 1e-12;
 
 impl Axis {
     /// Where a value is between the ends, 0 to 1.
@@ -166,7 +170,7 @@ impl Axis {
     }
 
     fn holds(&self, value: f64) -> bool {
-        value.is_finite() && (!self.logarithmic || value > 0.0)
+        value.is_finite() && (!self.logarithmic || value >= SMALLEST)
     }
 
     fn ticks(&self) -> Vec<(f64, String)> {
