@@ -6,4 +6,6 @@ pub(crate) mod input;
 pub(crate) mod mutate;
 pub(crate) mod seeds;
 pub(crate) mod smoke;
+#[cfg(feature = "render")]
+pub(crate) mod stage;
 pub(crate) mod targets;

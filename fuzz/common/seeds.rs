@@ -24,7 +24,17 @@ pub(crate) fn all() -> Vec<Seeds> {
         ("scene", plain.iter().map(text).collect()),
         ("extension", baked.iter().map(text).collect()),
         ("validate", baked.iter().map(text).collect()),
+        ("stage", every.iter().map(text).collect()),
+        ("camera_path", vec![input::join(b"{", &camera_path().to_string(), &[])]),
     ]
+}
+
+fn camera_path() -> Value {
+    json!({"version": 1, "name": "turn", "vertical_fov": 60.0, "near": 0.1, "poses": [
+        {"eye": [0.0, 1.7, 0.0], "forward": [1.0, 0.0, 0.0]},
+        {"eye": [1.0, 1.7, 0.5], "forward": [0.0, 0.0, -2.0]},
+        {"eye": [2.0, 1.8, 3.5], "forward": [-1.0, 0.5, 0.0]},
+    ]})
 }
 
 fn generated(kind: SampleKind, scale: f64) -> (Value, Vec<u8>) {

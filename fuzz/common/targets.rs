@@ -3,6 +3,7 @@
 use super::input;
 use glam::{DAffine3, DMat4, DVec3, Vec3};
 use serde_json::{Value, json};
+use svs::camera_path::CameraPath;
 use svs::gltf::{AccessorError, Document, DocumentTables, payload};
 use svs::scene::{ReadOptions, read_scene};
 use svs_runtime::format::Extension;
@@ -187,4 +188,16 @@ fn cull(visibility: &Visibility, extras: &Value) {
         }
         culler.set_hidden(Draw { tree: 0, anchor: 0, object: 1 }, true);
     }
+}
+
+/// Reads a camera path, flies it and writes it: what is written reads as the same.
+pub(crate) fn camera_path(data: &[u8]) {
+    let (text, _) = input::split(data);
+    let Ok(json) = serde_json::from_slice::<Value>(text) else { return };
+    let Ok(path) = CameraPath::from_json(&json) else { return };
+    let poses = path.steps(17);
+    assert!(!poses.is_empty());
+    assert!(poses.iter().all(|pose| pose.eye.is_finite() && (pose.forward.length() - 1.0).abs() < 1e-6));
+    let again = CameraPath::from_json(&path.to_json()).expect("what was written can be read");
+    assert_eq!(again.poses.len(), path.poses.len());
 }

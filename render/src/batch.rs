@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::extent::Extent;
 use crate::layout::{Layout, NONE, Spot};
 use crate::vertex::Row;
 
@@ -39,10 +40,6 @@ struct Blended {
     position: u32,
     draw: Draw,
 }
-
-/// Runs of neighbours are cut at this many indices, so that near ones can be drawn before far ones: what is hidden then
-/// costs no shading. Few enough calls even for 100 million triangles.
-const RUN_INDICES: u32 = 3 << 14;
 
 /// Buckets of distance: four per doubling of the squared distance.
 const BUCKETS: usize = 1 << 11;
@@ -221,9 +218,9 @@ impl Batcher {
         }
     }
 
-    /// Adds an opaque or masked draw call whose nearest object is `object`, or about so.
-    fn push_opaque(&mut self, layout: &Layout, eye: DVec3, object: u32, draw: Draw) {
-        let near = bucket(layout.spots[object as usize].center.distance_squared(eye)) as u64;
+    /// Adds an opaque or masked draw call of objects within `extent`.
+    fn push_opaque(&mut self, extent: &Extent, eye: DVec3, draw: Draw) {
+        let near = bucket(extent.distance_squared(eye)) as u64;
         let key = u64::from(draw.class) << 44
             | u64::from(draw.mirrored) << 43
             | near << 32
@@ -252,9 +249,9 @@ impl Batcher {
                     let mut first = first;
                     while first < end {
                         let parts = &layout.parts[first as usize..end as usize];
-                        let most = parts[0].first_index + RUN_INDICES;
-                        let count = parts.partition_point(|part| part.first_index < most) as u32;
-                        self.push_opaque(layout, eye, parts[0].object, draw(first, first + count));
+                        let block = parts[0].block;
+                        let count = parts.partition_point(|part| part.block == block) as u32;
+                        self.push_opaque(&layout.blocks[block as usize], eye, draw(first, first + count));
                         first += count;
                     }
                     continue;
@@ -289,8 +286,7 @@ impl Batcher {
                 index_count: piece.index_count,
             };
             if !layout.is_blended(piece.class) {
-                let nearest = self.rows[row as usize].object;
-                self.push_opaque(layout, eye, nearest, draw);
+                self.push_opaque(&layout.groups[piece.group as usize], eye, draw);
                 continue;
             }
             draw.instances = 1;

@@ -7,6 +7,7 @@ mod chunk;
 mod class;
 mod data;
 mod error;
+mod extent;
 mod frame;
 mod geometry;
 mod gpu;

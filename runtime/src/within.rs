@@ -9,6 +9,8 @@ use crate::loose::Loose;
 use crate::query::Settings;
 use crate::scene::{Draw, LOOSE, Placed, SceneCuller, walk};
 use crate::select::Selector;
+use glam::DVec3;
+use std::cell::Cell;
 
 /// State of culling within a budget.
 #[derive(Debug)]
@@ -20,6 +22,8 @@ pub(crate) struct Within {
     selector: Selector,
     /// What was chosen in the last frame, ascending.
     chosen: Vec<Key>,
+    /// Where the eye was then, in world space.
+    eye: DVec3,
     hysteresis: f64,
     /// `None` if the last frame had no budget and dropped nothing for its size: it is then counted when asked for.
     selection: Option<Selection>,
@@ -30,6 +34,8 @@ struct Candidate {
     draw: Draw,
     key: Key,
     estimate: Estimate,
+    /// The eye has hardly moved against it since the last frame.
+    still: bool,
     triangles: u32,
 }
 
@@ -38,6 +44,10 @@ type Key = (u32, u32);
 
 /// How much more an object counts that was drawn in the last frame.
 const HYSTERESIS: f64 = 1.25;
+
+/// Squared parallax of an object between two frames (the way of the eye over its distance) from which on it counts no
+/// more than others: about 6 degrees. The eye has jumped then, and there is nothing to hold on to.
+const MOST_PARALLAX_SQUARED: f64 = 0.01;
 
 /// The range of [`SceneCuller::set_hysteresis`].
 const MOST_HYSTERESIS: f64 = 16.0;
@@ -51,6 +61,7 @@ impl Within {
             candidates: Vec::new(),
             selector: Selector::default(),
             chosen: Vec::new(),
+            eye: DVec3::ZERO,
             hysteresis: HYSTERESIS,
             selection: None,
         }
@@ -104,7 +115,8 @@ impl SceneCuller {
     }
 
     /// How much more an object counts for the budget if it was drawn in the last frame, so that little moves of the camera
-    /// do not make objects come and go: 1.25 unless set, clamped to 1 (each frame by itself) to 16, NaN counts as 1.
+    /// do not make objects come and go (where the eye moved more than a tenth of the distance to the object, it counts as
+    /// any other): 1.25 unless set, clamped to 1 (each frame by itself) to 16, NaN counts as 1.
     pub fn set_hysteresis(&mut self, factor: f64) {
         self.within.hysteresis = if factor.is_nan() { 1.0 } else { factor.clamp(1.0, MOST_HYSTERESIS) };
     }
@@ -136,11 +148,13 @@ impl SceneCuller {
         };
         if let Some(capacity) = &capacity {
             let mut before = within.chosen.iter().peekable();
-            let steady = !published && within.hysteresis > 1.0 && !within.chosen.is_empty();
+            let kept = !published && within.hysteresis > 1.0 && !within.chosen.is_empty();
+            let steady = kept && within.candidates.iter().any(|candidate| candidate.still);
             within.selector.clear(steady);
             for candidate in &within.candidates {
                 while before.next_if(|key| **key < candidate.key).is_some() {}
-                let again = steady && before.peek().is_some_and(|key| **key == candidate.key);
+                let again =
+                    steady && candidate.still && before.peek().is_some_and(|key| **key == candidate.key);
                 let factor = if again { within.hysteresis } else { 1.0 };
                 let estimate = candidate.estimate;
                 let value = if published { f64::from(estimate.most) } else { estimate.value() * factor };
@@ -198,26 +212,39 @@ impl SceneCuller {
         let mut hits = std::mem::take(&mut self.within.hits);
         candidates.clear();
         let within = &self.within;
+        let (eye, before) = (camera.eye(), within.eye);
+        // Of the eye since the last frame, squared, in the space of the tree that is asked.
+        let way = Cell::new(0.0);
+        let enter = |placed: &Placed, local: &Camera| {
+            way.set((placed.to_world.inverse().transform_point3(before) - local.eye()).length_squared());
+        };
+        let is_still = |bounds: &Bounds, eye: DVec3, way: f64| {
+            let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) * 0.5;
+            way < MOST_PARALLAX_SQUARED * (middle - eye).length_squared() || way == 0.0
+        };
         let draw = |placed: &Placed, local: &Camera, hit: Measured| {
             candidates.push(Candidate {
                 draw: Draw { tree: placed.tree, anchor: placed.anchor, object: hit.place },
                 key: (placed.rank, hit.place),
                 estimate: visible_pixels(&placed.instance, local, hit),
+                still: is_still(&placed.instance.boxes.objects[hit.place as usize], local.eye(), way.get()),
                 triangles: within.triangles_of(placed.tree, hit.place),
             });
         };
         let (placed, pending) = (&self.placed, &mut self.pending);
-        self.statistics = walk(placed, pending, &mut hits, camera, settings, |_, _| (), draw);
+        self.statistics = walk(placed, pending, &mut hits, camera, settings, enter, draw);
         let loose = &self.loose;
         self.statistics.objects_tested += loose.cull(camera, settings.frustum, |place| {
             candidates.push(Candidate {
                 draw: Draw { tree: LOOSE, anchor: 0, object: loose.object(place) },
                 key: (LOOSE, place),
                 estimate: Estimate::of_box(loose.bounds(place as usize), camera),
+                still: is_still(loose.bounds(place as usize), eye, (before - eye).length_squared()),
                 triangles: loose.triangles(place),
             });
         });
         (self.within.candidates, self.within.hits) = (candidates, hits);
+        self.within.eye = eye;
     }
 }
 

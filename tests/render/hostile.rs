@@ -1,38 +1,7 @@
 //! Broken files: opened and culled, or refused, but never a panic.
 
 use crate::fuzz;
-use svs::stage::{ColourMode, Method, Stage};
-use svs_render::View;
-use svs_runtime::Budget;
-
-/// Opens a file and culls it; everything that may be drawn must be there to be drawn.
-fn stage(data: &[u8]) {
-    let Some(document) = fuzz::input::document(data) else { return };
-    let Ok(mut stage) = Stage::open(&document) else { return };
-    assert_eq!(stage.data.objects.len(), stage.scene.objects.len());
-    for mesh in &stage.data.meshes {
-        for primitive in &mesh.primitives {
-            let count = primitive.positions.len();
-            assert!(primitive.indices.iter().all(|&index| (index as usize) < count));
-            assert!(primitive.positions.iter().flatten().all(|x| x.is_finite()));
-            for length in [primitive.normals.len(), primitive.colors.len(), primitive.uvs.len()] {
-                assert!(length == 0 || length == count);
-            }
-            assert!((primitive.material as usize) < stage.data.materials.len());
-        }
-    }
-    let surroundings = stage.surroundings();
-    let eye = surroundings.sphere.center + surroundings.sphere.radius * 2.0;
-    let view = View::looking_along(eye, surroundings.sphere.center - eye, 1.0, 0.01);
-    let (settings, objects) = (stage.recommended(), stage.scene.objects.len() as u32);
-    for (method, budget) in Method::ALL.iter().zip([Budget::Unlimited, Budget::Triangles(3)].iter().cycle()) {
-        let drawn = stage.cull(&view, 64, 36, *method, &settings, budget);
-        assert!(drawn.iter().all(|&object| object < objects));
-    }
-    for mode in ColourMode::ALL {
-        assert_eq!(stage.tints(mode).len(), objects as usize);
-    }
-}
+use crate::fuzz::stage::stage;
 
 #[test]
 fn mutated_scenes() {

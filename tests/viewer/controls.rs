@@ -195,7 +195,7 @@ fn cameras_colours_spheres_graphs_and_keys_work() {
     );
     let keys = dump("keys");
     assert_eq!(keys["state"]["method"], "exact");
-    assert!((number(&keys["state"]["quality"]) - 0.55).abs() < 1e-5);
+    assert!((number(&keys["state"]["quality"]) - 0.65).abs() < 1e-5);
     for on in ["freeze", "skipped", "skipped_boxes", "spheres"] {
         assert_eq!(keys["state"][on], true, "{on}");
     }

@@ -27,9 +27,9 @@ Commands:
       --scenes FOLDER                 where the scenes are (default: ../shared/scenes)
   bench frames  fly through the public scenes and three large generated ones and print the tables of the README;
                 reports are left in target/bench/frames
-      --only NAME                     only scenes whose name contains NAME
-      --frames N                      frames of each path (default: 48; 16 in the large scenes)
-      --passes N                      times each frame is timed (default: 3)
+      --only NAME[,NAME...]           only scenes whose name contains one of them
+      --frames N                      frames of each path (default: 24; 6 in the large scenes)
+      --passes N                      times each frame is timed (default: 3; 2 in the large scenes)
       --scenes FOLDER                 where the public scenes are (default: ../shared/scenes)
 ";
 

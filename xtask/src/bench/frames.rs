@@ -20,7 +20,7 @@ const GRID: (&str, &str, &str) = ("clinic-grid", "medical-clinic", "40");
 pub(crate) struct Options {
     only: String,
     frames: Option<String>,
-    passes: String,
+    passes: Option<String>,
     scenes: PathBuf,
 }
 
@@ -36,7 +36,7 @@ impl Options {
         let mut options = Self {
             only: String::new(),
             frames: None,
-            passes: "3".to_owned(),
+            passes: None,
             scenes: run::root().join("../shared/scenes"),
         };
         let mut words = words.iter();
@@ -45,7 +45,7 @@ impl Options {
             match word {
                 "--only" => options.only = value()?,
                 "--frames" => options.frames = Some(value()?),
-                "--passes" => options.passes = value()?,
+                "--passes" => options.passes = Some(value()?),
                 "--scenes" => options.scenes = value()?.into(),
                 _ => return Err(format!("unknown option `{word}` of `bench frames`")),
             }
@@ -88,7 +88,7 @@ fn subjects(options: &Options) -> Result<Vec<Subject>, String> {
             Vec::new()
         }
     };
-    let matches = |name: &str| name.contains(&options.only);
+    let matches = |name: &str| options.only.split(',').any(|part| name.contains(part));
     let mut found: Vec<Subject> = public
         .iter()
         .filter(|(name, _)| matches(name))
@@ -124,7 +124,8 @@ fn evaluate(options: &Options, subject: &Subject, report: &Path) -> Result<Value
     if is_new(&baked) <= is_new(&subject.file) {
         run::step("bake", svs().arg("build").arg(&subject.file).arg("-o").arg(&baked).arg("-q"))?;
     }
-    let frames = options.frames.as_deref().unwrap_or(if subject.large { "16" } else { "48" });
+    let frames = options.frames.as_deref().unwrap_or(if subject.large { "6" } else { "24" });
+    let passes = options.passes.as_deref().unwrap_or(if subject.large { "2" } else { "3" });
     run::json(svs().arg("evaluate").arg(&baked).arg("-o").arg(report).arg("--json").args([
         "--methods",
         "frustum,visibility,exact,budget,first-misfit",
@@ -133,7 +134,7 @@ fn evaluate(options: &Options, subject: &Subject, report: &Path) -> Result<Value
         "--frames",
         frames,
         "--passes",
-        &options.passes,
+        passes,
     ]))
 }
 
