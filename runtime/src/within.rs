@@ -125,8 +125,8 @@ impl SceneCuller {
     /// costs more than the budget. Allocates nothing once warm.
     ///
     /// An object's visible pixels are estimated as the least of those that were seen of it, the pixels of its box and those
-    /// of the image (see [`Camera::pixels_per_radian`]), less where few bins around its direction see it; its value is
-    /// that, with a border of three pixels; one around the eye is worth the image. Objects are taken by value per triangle, or
+    /// of the image (see [`Camera::pixels_per_radian`]), less where few bins around its direction see it, and are its value;
+    /// one around the eye is worth the image. Objects are taken by value per triangle, or
     /// per millisecond, and one that does not fit does not keep smaller ones out. What was drawn in the last frame counts
     /// more, see [`Self::set_hysteresis`].
     pub fn cull_within(&mut self, camera: &Camera, settings: &Settings, budget: &Budget<'_>) -> &[Draw] {
@@ -157,7 +157,8 @@ impl SceneCuller {
                     steady && candidate.still && before.peek().is_some_and(|key| **key == candidate.key);
                 let factor = if again { within.hysteresis } else { 1.0 };
                 let estimate = candidate.estimate;
-                let value = if published { f64::from(estimate.most) } else { estimate.value() * factor };
+                let value =
+                    if published { f64::from(estimate.most) } else { f64::from(estimate.expected) * factor };
                 within.selector.push(value, candidate.triangles, again, capacity);
             }
             if published {

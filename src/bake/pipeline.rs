@@ -233,6 +233,11 @@ fn prune_to_size(
         let keep = prune::nodes_worth_keeping(&tree.hierarchy, &subject.members, &visible, share, limit);
         tree.drop_areas(&keep, &mut areas);
         tree.drop_nodes(&keep);
+        if options.prune.is_none() && !tree.pays(subject) {
+            let none = vec![false; tree.hierarchy.nodes.len()];
+            tree.drop_areas(&none, &mut areas);
+            tree.drop_nodes(&none);
+        }
         let mut baked = BakedTree {
             hierarchy: tree.hierarchy.clone(),
             spheres: tree.spheres.clone(),
@@ -240,6 +245,10 @@ fn prune_to_size(
             areas: areas.clone(),
             made: Made { prune: share, ..made.clone() },
         };
+        if baked.hierarchy.nodes.is_empty() {
+            // Nothing is hidden, so nothing can be missed.
+            baked.made.missing_ppm = 0.0;
+        }
         let fits = |tree: &BakedTree| encode_tree(tree, subject, directions).bytes() as u64 <= bytes_allowed;
         last += 1;
         if options.prune.is_some() || fits(&baked) {
@@ -251,6 +260,11 @@ fn prune_to_size(
         }
     }
 }
+
+/// With spheres, at most this share of the triangles may be expected to be drawn: else the tree has none, and costs nothing at
+/// run time. In linz-city 95 % of the triangles were left; their spheres took 1.3 ms a frame to ask, broke 49 draw calls
+/// into 1,060, and made frames 6 % slower than frustum culling alone.
+const LEAST_SAVING: f64 = 0.9;
 
 /// Share of pruning and most nodes kept above any object, from what is best to what fits everywhere.
 const PRUNE_STEPS: &[(f64, u32)] = &[
@@ -279,6 +293,13 @@ impl State {
             &self.target.levels,
             &subject.members,
         )
+    }
+
+    /// The spheres save enough triangles to make up for asking them, and for what they miss.
+    fn pays(&self, subject: &Subject) -> bool {
+        let visible = self.visible_triangles(subject);
+        let all: f64 = subject.members.iter().map(|member| f64::from(member.triangles)).sum();
+        choose::cost(&self.hierarchy, &self.spheres, &subject.members, &visible) <= all * LEAST_SAVING
     }
 
     fn drop_nodes(&mut self, keep: &[bool]) {
