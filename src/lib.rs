@@ -25,10 +25,10 @@
 //! - [`validate`] checks a file against the extension's schema and its scene.
 //! - [`generate`] makes the sample scenes.
 //! - [`camera_path`] is where a camera goes.
-//! - With the feature `render`, `appearance` reads how a scene looks, `stage` opens a file for drawing, and `view` shows it
+//! - [`appearance`] reads how a scene looks.
+//! - With the feature `render`, `stage` opens a file for drawing, and `view` shows it
 //!   in a window.
 
-#[cfg(feature = "render")]
 pub mod appearance;
 pub mod bake;
 mod baked;

@@ -30,10 +30,8 @@ pub(crate) struct Primitive {
     /// COLOR_0 accessor: its alpha multiplies the material's.
     pub(crate) color: Option<usize>,
     /// The material that draws it as long as no variant is chosen; `None`: default material.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub(crate) material: Option<usize>,
     /// NORMAL accessor.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub(crate) normal: Option<usize>,
     /// TEXCOORD_n accessors by n.
     pub(crate) tex_coords: BTreeMap<usize, usize>,
