@@ -91,8 +91,8 @@ impl Settings {
     /// One slider from fewest triangles (0) to fewest missing pixels (1). What a lower quality draws, a higher one draws
     /// too. Values outside are clamped, NaN counts as [`DEFAULT_QUALITY`].
     ///
-    /// - 0 to 0.5: each object's own bin; the smallest size drawn goes from 256 pixels to 0;
-    /// - to 0.75: so does that of the triangle around the direction;
+    /// - 0 to 0.75: each object's own bin; the smallest size drawn goes from 256 pixels to 0 (1 pixel at 0.6);
+    /// - from 0.5 on, to 0.75: so does that of the triangle around the direction (16 pixels at 0.6);
     /// - to 0.9: so does that of the bin's neighbours;
     /// - to 1: spheres are used up to a half-angle that goes from 90 to 30 degrees.
     pub fn from_quality(quality: f32) -> Self {
@@ -101,7 +101,7 @@ impl Settings {
         let later_stage = |from, to| if quality > from { ladder(stage(from, to)) } else { f32::INFINITY };
         Self {
             tau: Tau {
-                nearest: ladder(stage(0.0, 0.5)),
+                nearest: ladder(stage(0.0, 0.75)),
                 triangle: later_stage(0.5, 0.75),
                 ring: later_stage(0.75, 0.9),
             },
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn the_ladder_meets_the_named_settings() {
-        assert_eq!(Settings::from_quality(0.5), Settings::NEAREST_O);
+        assert_eq!(Settings::from_quality(0.6).tau.nearest, 1.0);
         assert_eq!(Settings::from_quality(0.75), Settings::MAX3_O);
         assert_eq!(Settings::from_quality(0.9), Settings::RING_O);
         assert_eq!(Settings::from_quality(0.0).tau.nearest, 256.0);
