@@ -21,6 +21,9 @@ mod glb;
 mod json;
 mod kinds;
 pub mod payload;
+mod release;
+#[cfg(test)]
+mod release_tests;
 mod resources;
 mod tables;
 mod uri;
@@ -38,5 +41,6 @@ pub use buffers::BufferStorage;
 pub use document::{Container, Document};
 pub use error::{AccessorError, AttachError, ReadError, UriError, WriteError};
 pub use kinds::{AccessorKind, ComponentType};
+pub use release::{Released, append_indices, release};
 pub use tables::{DocumentTables, TableError};
 pub use write::WriteSummary;
