@@ -54,7 +54,7 @@ pub(crate) fn apply(
 /// The row of the short report.
 pub(crate) fn row(report: &HiddenReport) -> (&'static str, String) {
     let text = format!(
-        "{} of {} and {} of {} ({}) removed; {} to {}; {} ppm estimated to be visible",
+        "{} of {} and {} of {} ({}) removed; {} to {}; at most {} ppm of the pixels estimated to change",
         count(report.objects_removed as u64),
         counted(report.objects as u64, "object"),
         count(report.triangles_removed),
@@ -62,7 +62,7 @@ pub(crate) fn row(report: &HiddenReport) -> (&'static str, String) {
         percent(ratio(report.triangles_removed, report.triangles)),
         bytes(report.bytes_before),
         bytes(report.bytes_after),
-        number(report.estimated_unseen_ppm),
+        number(report.estimated_missing_ppm),
     );
     ("hidden", text)
 }

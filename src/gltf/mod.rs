@@ -22,8 +22,6 @@ mod json;
 mod kinds;
 pub mod payload;
 mod release;
-#[cfg(test)]
-mod release_tests;
 mod resources;
 mod tables;
 mod uri;

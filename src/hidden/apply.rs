@@ -2,12 +2,12 @@
 //!
 //! A node that goes loses its `mesh` and nothing else: name, children, extras and index stay, so animations, skins and
 //! other tools find it. A primitive that loses triangles gets new `indices`, in an accessor appended to the file, in
-//! the order of the old ones. Meshes and accessors that nobody uses afterwards keep their entries; their bytes go
+//! the order of the old ones, unless they are so few that the file would grow. Meshes and accessors that nobody uses afterwards keep their entries; their bytes go
 //! ([`crate::gltf::release`]).
 
 use super::decide::{Hidden, Key, key};
 use super::subject::{index, items};
-use crate::gltf::{Document, Released, append_indices, release};
+use crate::gltf::{ComponentType, Document, Released, append_indices, release};
 use crate::scene::triangulate::Topology;
 use crate::scene::{Mesh, Scene};
 use serde_json::Value;
@@ -21,6 +21,9 @@ pub(super) struct Outcome {
     /// What became of the bytes.
     pub(super) released: Released,
 }
+
+/// Bytes of indices that a primitive must lose to get an accessor of its own: what is written about that in JSON.
+const WORTH_AN_ACCESSOR: usize = 128;
 
 /// A primitive with triangles left.
 struct Rest {
@@ -92,7 +95,12 @@ fn rest(doc: &Document, mesh: usize, geometry: &Mesh, hidden: &HashSet<Key>) -> 
             // glTF has no empty accessors, and a primitive less would renumber the others.
             left.push(0);
         }
-        if left.len() < count {
+        let size = match old.and_then(|old| doc.accessor(old).ok()).map(|old| old.component_type) {
+            Some(ComponentType::U8) => 1,
+            Some(ComponentType::U32) => 4,
+            _ => 2,
+        };
+        if (count - left.len()) * 3 * size >= WORTH_AN_ACCESSOR {
             removed += (count - left.len()) as u64;
             let indices = left.into_iter().flat_map(corners).collect();
             rests.push(Rest { mesh, primitive, old, indices });

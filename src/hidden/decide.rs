@@ -28,6 +28,13 @@ pub(super) struct Hidden {
     pub(super) tiny: usize,
 }
 
+impl Hidden {
+    /// Whether anything goes.
+    pub(super) fn is_anything(&self) -> bool {
+        self.objects.contains(&true) || self.triangles.iter().any(|triangles| !triangles.is_empty())
+    }
+}
+
 /// Objects less than this across, in the scene's radii, are not judged.
 const TINY: f64 = 4.0 * MARGIN as f64;
 
@@ -81,15 +88,17 @@ pub(super) fn decide(scene: &Scene, subject: &Subject, seen: &Seen, radius: f64,
 
 /// Triangles that were not seen and touch none that was.
 fn hidden_triangles(mesh: &Mesh, seen: impl Fn(u32) -> bool) -> HashSet<Key> {
-    let place = |vertex: u32| mesh.positions[vertex as usize].to_array().map(f32::to_bits);
-    let mut touched: HashSet<[u32; 3]> = HashSet::new();
-    for (index, triangle) in mesh.triangles.iter().enumerate() {
-        if seen(index as u32) {
-            touched.extend(triangle.map(place));
-        }
-    }
-    let keys = mesh.triangles.iter().map(|triangle| triangle.map(place));
-    keys.filter(|key| !key.iter().any(|corner| touched.contains(corner))).collect()
+    let all = 0..mesh.triangles.len() as u32;
+    let visible = all.clone().filter(|&triangle| seen(triangle));
+    let touched: HashSet<[u32; 3]> = visible.flat_map(|triangle| key_of(mesh, triangle)).collect();
+    all.map(|triangle| key_of(mesh, triangle))
+        .filter(|key| !key.iter().any(|corner| touched.contains(corner)))
+        .collect()
+}
+
+/// The key of a mesh's triangle.
+pub(super) fn key_of(mesh: &Mesh, triangle: u32) -> Key {
+    mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize].to_array().map(f32::to_bits))
 }
 
 /// The key of a triangle of the file, as its mesh has it.

@@ -10,7 +10,7 @@
 //!   batches, until a batch finds next to nothing new;
 //! - from the surfaces that no ray has seen, rays outwards: one that leaves the scene, or passes a camera point before
 //!   it meets an occluder, shows that the surface is visible ([`surface`]). Small and deep parts are found like this;
-//! - batches again, which also measure how much is still missed.
+//! - batches again; and one more after the decision, which measures how much is missed, and puts that right.
 //!
 //! The doubt is always in favour of staying. What is not judged stays: objects that move, deform or may be hidden or
 //! exchanged at run time, those with alpha-tested surfaces, lines or points, those smaller than the rays can tell
@@ -42,8 +42,6 @@ mod report;
 mod sample;
 mod subject;
 mod surface;
-#[cfg(test)]
-mod tests;
 mod view;
 
 pub use options::{DEFAULT_CLEARANCE, HiddenOptions, RemoveMode};
@@ -97,11 +95,16 @@ pub fn remove(
     let rays = RayScene::with_triangles(&scene.meshes, &subject.parts);
     let clearance = options.clearance.map_or(DEFAULT_CLEARANCE, |metres| metres / rays.radius());
     let regions = Regions::new(&rays, clearance);
-    let mut seen = Seen::new(&scene, &subject, options.mode);
-    let sampled = sample::run(&rays, &regions, &scene, &subject, &mut seen, options, progress);
+    let seen = Seen::new(&scene, &subject, options.mode);
+    let mut sampled = sample::run(&rays, &regions, &scene, &subject, &seen, options, progress);
 
+    let decide = |seen: &Seen| decide::decide(&scene, &subject, seen, rays.radius(), options.mode);
+    let mut hidden = decide(&seen);
+    if hidden.is_anything() {
+        sample::check(&rays, &regions, &scene, &hidden, &seen, &mut sampled, progress);
+        hidden = decide(&seen);
+    }
     progress.stage("remove hidden", None);
-    let hidden = decide::decide(&scene, &subject, &seen, rays.radius(), options.mode);
     let mut report = HiddenReport::new(doc, &scene, &hidden, options.mode, clearance * rays.radius());
     drop(rays);
     let outcome = apply::apply(doc, &scene, &hidden);

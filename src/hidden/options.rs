@@ -34,7 +34,7 @@ impl Default for HiddenOptions {
         Self {
             mode: RemoveMode::default(),
             clearance: None,
-            max_missing_ppm: 10.0,
+            max_missing_ppm: 0.5,
             rays: 1 << 25,
             scene: None,
         }

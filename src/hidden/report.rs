@@ -52,10 +52,14 @@ pub struct HiddenReport {
     pub surface_rays: u64,
     /// See `surface_rays`.
     pub surface_found: u64,
-    /// Of a million camera rays, how many would see something that no ray has seen: Good-Turing estimate from
-    /// what was seen once. What surface rays and neighbours keep is not taken off.
-    pub estimated_unseen_ppm: f64,
-    /// Of a million rays of the last batch, how many saw something that none before had seen. It stays.
+    /// Of a million camera rays that had no part in the decision and met something, how many saw what was to be
+    /// removed (it stays, then): an upper estimate of the pixels that change. If it was none: what the true number
+    /// is below with 95 % confidence, 3 in that many rays. 0 if there was nothing to remove.
+    pub estimated_missing_ppm: f64,
+    /// Of a million camera rays, how many would see an object or triangle that no ray had seen: Good-Turing estimate
+    /// from those seen once. It does not know what surface rays and neighbours keep.
+    pub good_turing_ppm: f64,
+    /// Of a million rays of the last batch before the decision, how many saw something that none had seen.
     pub last_batch_ppm: f64,
     /// The largest removed objects by triangles.
     pub largest: Vec<RemovedObject>,
@@ -119,7 +123,8 @@ impl HiddenReport {
             batches: 0,
             surface_rays: 0,
             surface_found: 0,
-            estimated_unseen_ppm: 0.0,
+            estimated_missing_ppm: 0.0,
+            good_turing_ppm: 0.0,
             last_batch_ppm: 0.0,
             largest: largest.collect(),
             seconds: 0.0,
@@ -146,7 +151,11 @@ impl HiddenReport {
         self.batches = sampled.batches;
         self.surface_rays = sampled.surface_rays;
         self.surface_found = sampled.surface_found;
-        self.estimated_unseen_ppm = sampled.unseen_ppm;
+        let missed = if sampled.held_out_missed > 0 { sampled.held_out_missed as f64 } else { 3.0 };
+        if sampled.held_out_seen > 0 {
+            self.estimated_missing_ppm = missed / sampled.held_out_seen as f64 * 1e6;
+        }
+        self.good_turing_ppm = sampled.unseen_ppm;
         self.last_batch_ppm = sampled.last_missed as f64 / sampled.last_seen.max(1) as f64 * 1e6;
     }
 }

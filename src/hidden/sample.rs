@@ -1,5 +1,6 @@
 //! Rays of cameras outside and inside, until they find next to nothing new.
 
+use super::decide::{Hidden, key_of};
 use super::options::{HiddenOptions, RemoveMode};
 use super::regions::Regions;
 use super::subject::Subject;
@@ -14,11 +15,11 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 /// Start of all random numbers of this module.
 const SEED: u64 = 0x4849_4444_454E;
-/// Rays from outside in a batch, and directions that they come from in pairs of opposite ones.
-const OUTSIDE_RAYS: u64 = 1 << 20;
+/// Rays from outside in a batch: a sixteenth of all rays within these bounds.
+const OUTSIDE_RAYS: [u64; 2] = [1 << 14, 1 << 20];
+/// Directions that they come from, in pairs of opposite ones.
 const OUTSIDE_DIRECTIONS: usize = 128;
-/// Points tried as inside cameras in a batch, and rays from each that is one (in opposite pairs).
-const CANDIDATES: u64 = 4_096;
+/// Rays from each inside camera point, in opposite pairs. As many as from outside if all points tried are such.
 const RAYS_PER_POINT: usize = 256;
 
 /// What has been seen, and how often up to 2: enough to know what one ray alone has found.
@@ -119,13 +120,23 @@ fn raise(counter: &AtomicU8) {
     }
 }
 
-/// The state before a batch, which the batch tests.
+/// What a batch tests: what would be removed if it were not for the batch.
 struct Unseen {
     objects: Vec<bool>,
     triangles: Vec<bool>,
 }
 
 impl Unseen {
+    /// What has been decided, neighbours and all.
+    fn decided(scene: &Scene, hidden: &Hidden) -> Self {
+        let meshes = scene.meshes.par_iter().zip(&hidden.triangles);
+        let triangles = meshes.flat_map_iter(|(mesh, hidden)| {
+            (0..mesh.triangles.len() as u32)
+                .map(move |triangle| !hidden.is_empty() && hidden.contains(&key_of(mesh, triangle)))
+        });
+        Self { objects: hidden.objects.clone(), triangles: triangles.collect() }
+    }
+
     fn holds(&self, seen: &Seen, hit: &Crossing) -> bool {
         let mesh = seen.mesh[hit.member as usize] as usize;
         self.objects[hit.member as usize]
@@ -137,6 +148,8 @@ impl Unseen {
 /// What was done, and what is still to be feared.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Sampled {
+    /// Rays from outside in each batch.
+    batch_rays: u64,
     /// Rays cast from cameras.
     pub(super) rays: u64,
     /// Inside camera points.
@@ -146,6 +159,9 @@ pub(super) struct Sampled {
     /// Rays of the last batch that met something, and those that saw what would have been removed before it.
     pub(super) last_seen: u64,
     pub(super) last_missed: u64,
+    /// Rays cast after the decision that met something, and those that saw what was to be removed.
+    pub(super) held_out_seen: u64,
+    pub(super) held_out_missed: u64,
     /// Good-Turing estimate: share of rays that would see something not seen yet, per million.
     pub(super) unseen_ppm: f64,
     /// Rays cast from surfaces, and objects and triangles they found.
@@ -182,11 +198,14 @@ pub(super) fn run(
     regions: &Regions<'_>,
     scene: &Scene,
     subject: &Subject,
-    seen: &mut Seen,
+    seen: &Seen,
     options: &HiddenOptions,
     progress: &dyn Progress,
 ) -> Sampled {
-    let mut sampled = Sampled::default();
+    let mut sampled = Sampled {
+        batch_rays: (options.rays / 16).clamp(OUTSIDE_RAYS[0], OUTSIDE_RAYS[1]),
+        ..Sampled::default()
+    };
     if !subject.judged.contains(&true) {
         return sampled;
     }
@@ -197,10 +216,8 @@ pub(super) fn run(
     {
         progress.stage("find hidden", Some(limit.saturating_sub(sampled.rays)));
         loop {
-            let found = batch(rays, regions, seen, sampled.batches, progress);
-            sampled.batches += 1;
-            sampled.rays += found.rays;
-            sampled.points += found.points;
+            let found = batch(rays, regions, seen, &seen.unseen(), &sampled, progress);
+            sampled.add(&found);
             (sampled.last_seen, sampled.last_missed) = (found.seen, found.missed);
             total_seen += found.seen;
             // A ray or two prove nothing.
@@ -217,14 +234,40 @@ pub(super) fn run(
     sampled
 }
 
+impl Sampled {
+    fn add(&mut self, found: &Found) {
+        self.batches += 1;
+        self.rays += found.rays;
+        self.points += found.points;
+    }
+}
+
+/// One more batch, on what has been decided: what it sees is marked, so that it stays if decided again.
+pub(super) fn check(
+    rays: &RayScene<'_>,
+    regions: &Regions<'_>,
+    scene: &Scene,
+    hidden: &Hidden,
+    seen: &Seen,
+    sampled: &mut Sampled,
+    progress: &dyn Progress,
+) {
+    progress.stage("check hidden", None);
+    let found = batch(rays, regions, seen, &Unseen::decided(scene, hidden), sampled, progress);
+    sampled.add(&found);
+    (sampled.held_out_seen, sampled.held_out_missed) = (found.seen, found.missed);
+}
+
 fn batch(
     rays: &RayScene<'_>,
     regions: &Regions<'_>,
     seen: &Seen,
-    index: u64,
+    unseen: &Unseen,
+    so_far: &Sampled,
     progress: &dyn Progress,
 ) -> Found {
-    let unseen = seen.unseen();
+    let (index, batch_rays) = (so_far.batches, so_far.batch_rays);
+    let candidates = batch_rays / RAYS_PER_POINT as u64;
     let ray = |origin, direction, hits: &mut Vec<Crossing>, found: &mut Found| {
         view::look(rays, origin, direction, hits);
         found.rays += 1;
@@ -232,7 +275,7 @@ fn batch(
         found.missed += u64::from(hits.iter().any(|hit| unseen.holds(seen, hit)));
         hits.iter().for_each(|hit| seen.mark(hit));
     };
-    let outside = Batch::new(rays.half_size(), OUTSIDE_DIRECTIONS, OUTSIDE_RAYS, SEED, index);
+    let outside = Batch::new(rays.half_size(), OUTSIDE_DIRECTIONS, batch_rays, SEED, index);
     let outside = outside.grids.par_iter().map_init(Vec::new, |hits, grid| {
         let mut found = Found::default();
         for point in grid.points() {
@@ -246,7 +289,7 @@ fn batch(
         found
     });
     let outside = outside.reduce(Found::default, Found::plus);
-    let inside = (index * CANDIDATES..(index + 1) * CANDIDATES).into_par_iter().map_init(
+    let inside = (index * candidates..(index + 1) * candidates).into_par_iter().map_init(
         Vec::new,
         |hits, candidate| {
             let mut found = Found::default();

@@ -13,10 +13,10 @@ use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
 /// Rays from an object before it is taken for hidden.
-const RAYS_PER_OBJECT: usize = 512;
+const RAYS_PER_OBJECT: usize = 4_096;
 /// Rays from a triangle, from each object that draws it, and in all at most.
-const RAYS_PER_TRIANGLE: usize = 16;
-const MOST_RAYS_PER_TRIANGLE: usize = 128;
+const RAYS_PER_TRIANGLE: usize = 32;
+const MOST_RAYS_PER_TRIANGLE: usize = 256;
 
 struct Rays<'a> {
     scene: &'a RayScene<'a>,
