@@ -273,7 +273,8 @@ fn references(root: &Value, dead_meshes: &BTreeSet<usize>) -> BTreeSet<usize> {
     live
 }
 
-/// Accessors that can go: nobody else uses them, and no dead primitive would have attributes of two lengths.
+/// Accessors that can go: nobody else uses them, and no dead primitive would have
+/// attributes of two lengths or indices beyond them.
 fn dead_accessors(
     root: &Value,
     dead_meshes: &BTreeSet<usize>,
@@ -287,8 +288,9 @@ fn dead_accessors(
     loop {
         let count = live.len();
         for (attributes, indices) in &primitives {
-            if attributes.iter().any(|accessor| live.contains(accessor)) {
-                live.extend(attributes.iter().chain(indices));
+            // Indices of all vertices need all vertices; zeros for indices need only one.
+            if attributes.iter().chain(indices).any(|accessor| live.contains(accessor)) {
+                live.extend(attributes);
             }
         }
         if live.len() == count {
@@ -373,7 +375,8 @@ impl Plan {
             for (item, place) in items.iter_mut().zip(&views) {
                 let Some((buffer, range)) = place else { continue };
                 let (start, end) = (self.moved(*buffer, range.start), self.moved(*buffer, range.end));
-                if end > start || range.is_empty() {
+                let stride = item.get("byteStride").and_then(json::index).unwrap_or(1);
+                if end - start == range.len() || end - start >= stride.max(1) {
                     set(item, "byteOffset", range.start, start);
                     set(item, "byteLength", range.len(), end - start);
                 } else {
