@@ -20,6 +20,7 @@
 //!
 //! - [`gltf`] reads and writes files without losing anything of them, and attaches what is baked.
 //! - [`scene`] finds the objects, their geometry and the nodes above them.
+//! - [`hidden`] drops, if asked to, what no camera can ever see.
 //! - [`bake`] groups the objects, samples their visibility with rays, drops what does not pay and encodes the rest.
 //! - [`verify`] measures the result on cameras that the bake has not seen, beside the published method.
 //! - [`validate`] checks a file against the extension's schema and its scene.
@@ -37,6 +38,7 @@ pub mod camera_path;
 pub mod evaluate;
 pub mod generate;
 pub mod gltf;
+pub mod hidden;
 pub mod scene;
 #[cfg(feature = "render")]
 pub mod stage;

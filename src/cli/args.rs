@@ -71,7 +71,8 @@ Examples:
   svs build plant.glb -o plant.svs.glb
   svs build plant.gltf -o baked/plant.gltf --quality high --report report.json
   svs build plant.glb -o plant.glb --max-missing 20       bake in place, at most 20 missing pixels per million
-  svs build city.glb -o city.svs.glb --directions icosahedron-2 --hierarchy octree --json")]
+  svs build city.glb -o city.svs.glb --directions icosahedron-2 --hierarchy octree --json
+  svs build engine.glb -o engine.svs.glb --remove-hidden=triangles     drop what no camera can see")]
 pub(crate) struct Build {
     /// Scene to bake: .glb, or .gltf with external or data-URI buffers
     #[arg(value_name = "IN")]
@@ -101,6 +102,8 @@ pub(crate) struct Build {
     /// Keep only spheres that cull at least this share (0 to 1) beyond what those below them do [default: chosen]
     #[arg(long, value_name = "X", value_parser = share)]
     pub(crate) prune: Option<f64>,
+    #[command(flatten)]
+    pub(crate) hidden: super::hidden::Hidden,
     /// Write the full report to this file too
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
@@ -294,7 +297,7 @@ pub(crate) enum SpheresName {
 }
 
 /// A finite number above zero.
-fn positive(text: &str) -> Result<f64, String> {
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("a number above 0 is needed".to_owned()),

@@ -5,29 +5,34 @@ use super::error::Failure;
 use super::options::BuildOptions;
 use super::output::{self, bytes, count, counted, number, percent, ratio};
 use super::progress::Bars;
-use super::{file, memory};
+use super::{file, hidden, memory};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
 use svs::bake::BakeReport;
+use svs::hidden::HiddenReport;
 
 pub(crate) fn run(args: &Build, common: &Common) -> Result<(), Failure> {
     let options = BuildOptions::try_from(args)?;
     let start = Instant::now();
     let bars = Bars::new(common.quiet);
     let mut document = file::read(&options.input)?;
+    let hidden = hidden::apply(&args.hidden, &mut document, &options.input, &bars)?;
     let report = svs::bake::build(&mut document, &options.bake, &bars)
         .map_err(|error| Failure::doing("bake", &options.input, &error))?;
     file::write(&document, &options.output)?;
     bars.clear();
     let seconds = start.elapsed().as_secs_f64();
 
-    let json = to_json(&report, &options, seconds);
+    let mut json = to_json(&report, &options, seconds);
+    if let Some(hidden) = &hidden {
+        json["hidden"] = serde_json::to_value(hidden).unwrap_or_default();
+    }
     if let Some(path) = &options.report {
         file::write_json(&json, path)?;
     }
-    output::print(common, &json, &to_text(&report, &options.output, seconds))
+    output::print(common, &json, &to_text(&report, hidden.as_ref(), &options.output, seconds))
 }
 
 /// The whole report: the bake's own, and what only the command knows.
@@ -45,7 +50,7 @@ fn to_json(report: &BakeReport, options: &BuildOptions, seconds: f64) -> Value {
 }
 
 /// The short report: what was gained and what is missing first, then what it cost.
-fn to_text(report: &BakeReport, output: &Path, seconds: f64) -> String {
+fn to_text(report: &BakeReport, hidden: Option<&HiddenReport>, output: &Path, seconds: f64) -> String {
     let mut missing = format!("{} ppm estimated", number(report.estimated_missing_ppm));
     let mut drawn = Vec::new();
     let mut measured = Vec::new();
@@ -87,8 +92,10 @@ fn to_text(report: &BakeReport, output: &Path, seconds: f64) -> String {
         ),
     ));
     rows.push(("rays", count(report.rays)));
+    rows.extend(hidden.map(hidden::row));
     let mut text =
         format!("{} written in {} s\n\n{}", output.display(), number(seconds), output::fields(&rows));
+    text += &hidden.map(hidden::details).unwrap_or_default();
     if !report.notes.is_empty() {
         text += "\nnotes\n";
         for note in &report.notes {

@@ -9,6 +9,7 @@ mod error;
 #[cfg(feature = "render")]
 mod evaluate;
 mod file;
+mod hidden;
 mod info;
 mod interrupt;
 mod level_share;

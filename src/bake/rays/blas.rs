@@ -30,7 +30,7 @@ pub(super) struct Blas<'a> {
     flags: Vec<u8>,
     /// Member of each triangle, for triangles of several members; else empty.
     members: Vec<u32>,
-    /// Triangle index in `masked_mesh` of each triangle; empty without MASK surfaces.
+    /// Triangle index in its mesh of each triangle; empty if nobody asks (no MASK surfaces, no triangle queries).
     sources: Vec<u32>,
     masked_mesh: Option<&'a Mesh>,
 }
@@ -44,8 +44,8 @@ pub(super) struct Merged<'a> {
 }
 
 impl<'a> Blas<'a> {
-    /// One mesh in its own frame: positions divided by `radius`.
-    pub(super) fn of_mesh(mesh: &'a Mesh, radius: f64) -> Self {
+    /// One mesh in its own frame: positions divided by `radius`; `sources`: triangle queries are to come.
+    pub(super) fn of_mesh(mesh: &'a Mesh, radius: f64, sources: bool) -> Self {
         let scale = |v: u32| (mesh.positions[v as usize].as_dvec3() / radius).as_vec3().to_array();
         let corners: Vec<_> = mesh.triangles.iter().map(|t| t.map(scale)).collect();
         let flags = triangle_flags(mesh);
@@ -53,14 +53,14 @@ impl<'a> Blas<'a> {
         let mut blas = Self::build(corners, flags, Vec::new());
         if masked {
             blas.masked_mesh = Some(mesh);
-        } else {
+        } else if !sources {
             blas.sources = Vec::new();
         }
         blas
     }
 
-    /// Many meshes, each drawn once, in the unit frame of the scene.
-    pub(super) fn merged(parts: &[Merged<'a>]) -> Self {
+    /// Many meshes, each drawn once, in the unit frame of the scene; `sources`: triangle queries are to come.
+    pub(super) fn merged(parts: &[Merged<'a>], sources: bool) -> Self {
         let total = parts.iter().map(|p| p.mesh.triangles.len()).sum();
         let mut corners = Vec::with_capacity(total);
         let mut flags = Vec::with_capacity(total);
@@ -81,7 +81,22 @@ impl<'a> Blas<'a> {
             flags.extend(triangle_flags(part.mesh));
         }
         let mut blas = Self::build(corners, flags, members);
-        blas.sources = Vec::new();
+        if sources {
+            let starts: Vec<u32> = parts
+                .iter()
+                .scan(0u32, |start, part| {
+                    let this = *start;
+                    *start += part.mesh.triangles.len() as u32;
+                    Some(this)
+                })
+                .collect();
+            for source in &mut blas.sources {
+                let part = starts.partition_point(|&start| start <= *source).saturating_sub(1);
+                *source -= starts.get(part).copied().unwrap_or_default();
+            }
+        } else {
+            blas.sources = Vec::new();
+        }
         blas
     }
 
@@ -105,11 +120,15 @@ impl<'a> Blas<'a> {
         let (mut bvh, is_trap) = build(&boxes, params);
         if is_trap && let Some(kept) = distinct(&corners, &flags, &members) {
             let pick = |i: &u32| corners[*i as usize];
-            return Self::build(
+            let mut blas = Self::build(
                 kept.iter().map(pick).collect(),
                 kept.iter().map(|&i| flags[i as usize]).collect(),
                 kept.iter().filter_map(|&i| members.get(i as usize).copied()).collect(),
             );
+            for source in &mut blas.sources {
+                *source = kept[*source as usize];
+            }
+            return blas;
         }
         // Lines are far apart, so most of their time is spent waiting for nodes: keep those of a path together.
         bvh.reorder_in_stack_traversal_order();
@@ -141,15 +160,15 @@ impl<'a> Blas<'a> {
         self.packets.is_empty()
     }
 
-    /// Calls `found(t, flags, member, front)` for every triangle that the ray from `origin` meets at
-    /// `0 <= t <= limit`; what it returns is the new limit.
+    /// Calls `found(t, flags, member, source, front)` for every triangle that the ray from `origin` meets at
+    /// `0 <= t <= limit`; what it returns is the new limit. `source` is the triangle's index in its mesh, if kept.
     #[inline(always)]
     pub(super) fn trace(
         &self,
         origin: Vec3A,
         direction: Vec3A,
         limit: f32,
-        mut found: impl FnMut(f32, u8, Option<u32>, bool) -> f32,
+        mut found: impl FnMut(f32, u8, Option<u32>, Option<u32>, bool) -> f32,
     ) {
         if self.is_empty() {
             return;
@@ -171,7 +190,8 @@ impl<'a> Blas<'a> {
                     let hit = hit.get(lane);
                     if hit.t <= ray.tmax && self.is_there(index, &hit) {
                         let member = self.members.get(index).copied();
-                        ray.tmax = found(hit.t, self.flags[index], member, hit.front);
+                        let source = self.sources.get(index).copied();
+                        ray.tmax = found(hit.t, self.flags[index], member, source, hit.front);
                     }
                 }
             }

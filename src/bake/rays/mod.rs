@@ -9,4 +9,5 @@ mod build;
 mod scene;
 mod triangle;
 
+pub(crate) use scene::Crossing;
 pub use scene::{Hit, LineHit, RayScene};

@@ -56,6 +56,23 @@ pub struct LineHit {
     pub seen_from_end: bool,
 }
 
+/// One triangle that a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Crossing {
+    /// Distance in half diagonals of the scene.
+    pub t: f32,
+    /// The member met.
+    pub member: u32,
+    /// Triangle in the member's mesh ([`Mesh::triangles`]).
+    pub triangle: u32,
+    /// The surface hides what is behind it.
+    pub opaque: bool,
+    /// The ray meets the front, as drawn (mirrored members considered).
+    pub front: bool,
+    /// Both sides are drawn.
+    pub double_sided: bool,
+}
+
 /// What a camera ray sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
@@ -68,6 +85,16 @@ pub struct Hit {
 impl<'a> RayScene<'a> {
     /// Builds the hierarchies. Parts of empty meshes are passed over; a scene without triangles is fine.
     pub fn new(meshes: &'a [Mesh], parts: &[Part]) -> Self {
+        Self::build(meshes, parts, false)
+    }
+
+    /// A scene that can also tell which triangles rays meet ([`Self::visit`]); four bytes more per triangle. Of
+    /// equal triangles of a member it may know only the first.
+    pub(crate) fn with_triangles(meshes: &'a [Mesh], parts: &[Part]) -> Self {
+        Self::build(meshes, parts, true)
+    }
+
+    fn build(meshes: &'a [Mesh], parts: &[Part], sources: bool) -> Self {
         let parts: Vec<&Part> = parts.iter().filter(|p| !meshes[p.mesh as usize].is_empty()).collect();
         let bounds = parts
             .par_iter()
@@ -120,8 +147,8 @@ impl<'a> RayScene<'a> {
             center,
             radius,
             half_size: half_size / radius,
-            merged: Blas::merged(&merged),
-            meshes: shared.par_iter().map(|mesh| Blas::of_mesh(mesh, mesh_radius(mesh))).collect(),
+            merged: Blas::merged(&merged, sources),
+            meshes: shared.par_iter().map(|mesh| Blas::of_mesh(mesh, mesh_radius(mesh), sources)).collect(),
             instances,
             top,
         }
@@ -150,7 +177,7 @@ impl<'a> RayScene<'a> {
         let back = point.dot(direction) + 1.01;
         let start = point - direction * back;
         let offset = -back;
-        self.trace(start, direction, f32::INFINITY, |t, member, flags, front| {
+        self.trace(start, direction, f32::INFINITY, |t, member, _, flags, front| {
             let double = flags & DOUBLE_SIDED != 0;
             hits.push(LineHit {
                 t: (offset + t) as f32,
@@ -168,7 +195,7 @@ impl<'a> RayScene<'a> {
     pub fn view(&self, origin: DVec3, direction: DVec3, transparent: &mut Vec<Hit>) -> Option<Hit> {
         transparent.clear();
         let mut nearest: Option<Hit> = None;
-        self.trace(origin, direction, f32::INFINITY, |t, member, flags, front| {
+        self.trace(origin, direction, f32::INFINITY, |t, member, _, flags, front| {
             let hit = Hit { t: t as f32, member };
             let limit = nearest.map_or(f32::INFINITY, |n| n.t);
             if !front && flags & DOUBLE_SIDED == 0 {
@@ -191,21 +218,43 @@ impl<'a> RayScene<'a> {
         nearest
     }
 
-    /// Calls `found(t, member, flags, front)` for each hit at `0 <= t <= limit`; the limit is what it returned
-    /// last.
+    /// Calls `found` for every triangle that the ray from `origin` (unit frame) along the unit vector `direction`
+    /// meets at `0 <= t <= limit`, in any order; what it returns is the new limit.
+    pub(crate) fn visit(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        limit: f32,
+        mut found: impl FnMut(Crossing) -> f32,
+    ) {
+        self.trace(origin, direction, limit, |t, member, triangle, flags, front| {
+            found(Crossing {
+                t: t as f32,
+                member,
+                triangle,
+                opaque: flags & OPAQUE != 0,
+                front,
+                double_sided: flags & DOUBLE_SIDED != 0,
+            })
+        });
+    }
+
+    /// Calls `found(t, member, triangle, flags, front)` for each hit at `0 <= t <= limit`; the limit is what it
+    /// returned last. `triangle` is 0 unless the scene was built to know.
     #[inline(always)]
     fn trace(
         &self,
         origin: DVec3,
         direction: DVec3,
         limit: f32,
-        mut found: impl FnMut(f64, u32, u8, bool) -> f32,
+        mut found: impl FnMut(f64, u32, u32, u8, bool) -> f32,
     ) {
         let limit = Cell::new(limit);
         let origin32 = origin.as_vec3a();
         let direction32 = direction.as_vec3a() + Vec3A::ZERO;
-        self.merged.trace(origin32, direction32, limit.get(), |t, flags, member, front| {
-            limit.set(found(f64::from(t), member.unwrap_or_default(), flags, front));
+        self.merged.trace(origin32, direction32, limit.get(), |t, flags, member, source, front| {
+            let (member, source) = (member.unwrap_or_default(), source.unwrap_or_default());
+            limit.set(found(f64::from(t), member, source, flags, front));
             limit.get()
         });
         let Some(top) = &self.top else { return };
@@ -221,9 +270,10 @@ impl<'a> RayScene<'a> {
                 if local_limit < 0.0 {
                     continue;
                 }
-                blas.trace(local.origin, local.direction, local_limit, |t, flags, _, front| {
+                blas.trace(local.origin, local.direction, local_limit, |t, flags, _, source, front| {
                     let along = local.start + f64::from(t) / f64::from(local.length);
-                    limit.set(found(along, instance.member, flags, front != instance.mirrored));
+                    let front = front != instance.mirrored;
+                    limit.set(found(along, instance.member, source.unwrap_or_default(), flags, front));
                     to_local(limit.get())
                 });
                 ray.tmax = limit.get();

@@ -5,7 +5,7 @@
 
 mod areas;
 mod levels;
-mod lines;
+pub(crate) mod lines;
 mod parallel;
 pub(crate) mod random;
 mod walk;
