@@ -39,7 +39,7 @@ pub(super) fn run(
         .collect();
     progress.stage("look out of hidden", Some(objects.len() as u64));
     let found = objects.par_iter().map(|&object| {
-        let (cast, triangle) = rays.from_object(source, object, seed);
+        let (cast, triangle) = rays.object_sees_out(source, object, seed);
         if let Some(triangle) = triangle {
             seen.mark_triangle(object, triangle);
         }
@@ -69,7 +69,7 @@ pub(super) fn run(
         .collect();
     progress.stage("look out of hidden", Some(triangles.len() as u64));
     let found = triangles.par_iter().map(|&(mesh, triangle)| {
-        let (cast, object) = rays.from_triangle(source, mesh, triangle, &users[mesh as usize], seed);
+        let (cast, object) = rays.triangle_sees_out(source, mesh, triangle, &users[mesh as usize], seed);
         if let Some(object) = object {
             seen.mark_triangle(object, triangle);
         }
@@ -85,7 +85,7 @@ fn sum(a: (u64, u64), b: (u64, u64)) -> (u64, u64) {
 
 impl Rays<'_> {
     /// Rays from all over an object; the triangle that can be seen, if any.
-    fn from_object(&self, source: &Scene, object: u32, seed: u64) -> (u64, Option<u32>) {
+    fn object_sees_out(&self, source: &Scene, object: u32, seed: u64) -> (u64, Option<u32>) {
         let placed = &source.objects[object as usize];
         let mesh = &source.meshes[placed.mesh as usize];
         let to_unit = self.to_unit(&placed.to_world, mesh);
@@ -122,7 +122,7 @@ impl Rays<'_> {
     }
 
     /// Rays from a triangle in its objects; the object that shows it, if any.
-    fn from_triangle(
+    fn triangle_sees_out(
         &self,
         source: &Scene,
         mesh: u32,
