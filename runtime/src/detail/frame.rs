@@ -25,6 +25,8 @@ pub(crate) enum NodeState {
     Covered,
     /// What is below it decides for itself.
     Refined,
+    /// It did not fit, so its parts were tried.
+    Split,
     Drawn,
 }
 

@@ -182,7 +182,7 @@ impl Searching<'_> {
                 let entry = &self.layout.entries[piece.entry as usize];
                 match piece.target {
                     Target::Proxy(node) => {
-                        self.states.nodes[(entry.nodes + node) as usize] = NodeState::Refined;
+                        self.states.nodes[(entry.nodes + node) as usize] = NodeState::Split;
                         search.pending.clear();
                         self.look_below(piece.entry, Some(node), &mut search.pending, &mut search.next);
                         self.open(&mut search.pending, &mut search.next);
@@ -260,8 +260,7 @@ impl Searching<'_> {
         }
         let benefit = view.pixels * loss(view.error) - lost;
         let entry = &layout.entries[index as usize];
-        let factor = if self.was_refined(entry, node) { self.hysteresis } else { 1.0 };
-        let worth = self.worth(benefit * factor, triangles, draws);
+        let worth = self.worth(benefit, self.was_refined(entry, node), triangles, draws);
         Some(Step { worth, triangles, draws, entry: index, target: Target::Proxy(node), level: 0 })
     }
 
@@ -274,14 +273,16 @@ impl Searching<'_> {
         let finer = self.scene.finer(object, level);
         let benefit = object.pixels * (loss(error) - loss(self.scene.level_error(object, finer)));
         let entry = &self.layout.entries[index as usize];
-        let factor = if self.was_finer(entry, slot, level) { self.hysteresis } else { 1.0 };
         let triangles = i64::from(self.scene.level_triangles(object, finer))
             - i64::from(self.scene.level_triangles(object, level));
-        let worth = self.worth(benefit * factor, triangles, 0);
+        let worth = self.worth(benefit, self.was_finer(entry, slot, level), triangles, 0);
         Some(Step { worth, triangles, draws: 0, entry: index, target: Target::Slot(slot), level: finer })
     }
 
-    fn worth(&self, benefit: f64, triangles: i64, draws: i64) -> f64 {
+    fn worth(&self, benefit: f64, again: bool, triangles: i64, draws: i64) -> f64 {
+        let factor = if again { self.hysteresis } else { 1.0 };
+        // A loss (parts may show more of their errors than the whole) is made less by the factor.
+        let benefit = if benefit > 0.0 { benefit * factor } else { benefit / factor };
         let weight = self.capacity.difference(triangles, draws);
         // What costs nothing comes first.
         if weight <= 0.0 { f64::INFINITY } else { (benefit / weight).max(-f64::MAX) }
