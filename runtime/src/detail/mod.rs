@@ -236,3 +236,6 @@ impl<'a> Output<'a> {
         self.statistics.triangles = self.load.triangles;
     }
 }
+
+#[cfg(test)]
+mod tests;
