@@ -176,6 +176,7 @@ fn a_count_without_data_is_refused() {
     assert!(matches!(tree_error(&json, &accessors), TreeError::TableLength { .. }));
     // Without any table the count stands alone; nothing is allocated for it, and nothing is drawn without boxes.
     json["trees"][0]["tables"] = json!({});
+    json["trees"][0]["proxies"]["tables"]["PROXY_OBJECT"] = json!(null);
     let visibility = Visibility::decode(&json, &accessors).unwrap();
     assert_eq!(visibility.trees()[0].object_count(), 4_000_000_000);
     assert_eq!(visibility.trees()[0].level(3_999_999_999, 5), 0);

@@ -3,7 +3,7 @@
 //! A greedy search over cuts, as in Funkhouser and Séquin, *Adaptive Display Algorithm for Interactive Frame Rates*, 1993. What
 //! a cut loses is the sum over what is visible of its pixels times [`loss`] of its visible error, 1 where nothing is drawn.
 
-use super::cut::{ObjectView, Part, Scene, View, nodes, parts};
+use super::cut::{ObjectView, Part, Scene, View, gives_way, nodes, parts};
 use super::frame::{COVERED, Content, DROPPED, Entry, Frame, Layout, NodeState, States};
 use super::metric::loss;
 use crate::budget::{Capacity, Load};
@@ -70,6 +70,13 @@ pub(crate) struct Search {
     /// Entries whose parts are still to be looked at.
     pending: Vec<u32>,
     pending_inner: Vec<u32>,
+}
+
+impl Search {
+    /// Memory for a list of entries.
+    pub(crate) fn pending(&mut self) -> &mut Vec<u32> {
+        &mut self.pending
+    }
 }
 
 /// One search.
@@ -214,13 +221,13 @@ impl Searching<'_> {
         heap.extend(step);
     }
 
-    /// The refinement of a drawn proxy, unless it is fine enough.
+    /// The refinement of a drawn proxy, unless it is fine enough and does not give way to its parts.
     fn proxy_step(&mut self, index: u32, node: u32, view: &View, pending: &mut Vec<u32>) -> Option<Step> {
-        if self.scene.is_fine(view.error) {
+        let (scene, layout) = (self.scene, self.layout);
+        if scene.is_fine(view.error) && !gives_way(scene, layout, index, node, view, pending) {
             return None;
         }
         let (mut triangles, mut draws, mut lost) = (-i64::from(view.triangles), -1, 0.0);
-        let (scene, layout) = (self.scene, self.layout);
         let visited = &mut self.visited;
         pending.clear();
         let mut at = (index, Some(node));
