@@ -283,8 +283,7 @@ pub(crate) fn unlimited(
             Part::Proxy(node, slots) => {
                 visited += 1;
                 let view = scene.view(layout, entry, node, slots).filter(|view| {
-                    scene.is_fine(view.error)
-                        && !gives_way(scene, layout, index as u32, node, view, pending)
+                    scene.is_fine(view.error) && !gives_way(scene, layout, index as u32, node, view, pending)
                 });
                 let state = &mut states.nodes[(entry.nodes + node) as usize];
                 *state = if view.is_some() { NodeState::Drawn } else { NodeState::Refined };
