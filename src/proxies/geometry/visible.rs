@@ -14,9 +14,9 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Lines through the sphere: at least this many …
-const LEAST_LINES: usize = 16_384;
+const LEAST_LINES: usize = 2048;
 /// … and this many per triangle, but no more than …
-const LINES_PER_TRIANGLE: usize = 8;
+const LINES_PER_TRIANGLE: usize = 2;
 /// … this many.
 const MOST_LINES: usize = 1 << 20;
 
@@ -40,15 +40,15 @@ pub(super) fn visible_triangles(soup: &Soup, palette: &Palette) -> Vec<bool> {
     let Some(scene) = Rays::new(soup, palette) else { return Vec::new() };
     let seen: Vec<AtomicBool> = (0..soup.triangle_count()).map(|_| AtomicBool::new(false)).collect();
     let lines = (soup.triangle_count().saturating_mul(LINES_PER_TRIANGLE)).clamp(LEAST_LINES, MOST_LINES);
-    (0..lines).into_par_iter().with_min_len(256).for_each_init(Vec::new, |hits, index| {
+    (0..lines).into_par_iter().with_min_len(256).for_each_init(Vec::new, |met, index| {
         let [u, v, x, y] = cube4(index);
         let along = direction([u, v]);
         let (right, up) = along.any_orthonormal_pair();
         let (sin, cos) = (std::f64::consts::TAU * y).sin_cos();
         let offset = (right * cos + up * sin) * x.sqrt();
         for along in [along, -along] {
-            scene.look(offset - along * 1.01, along, hits);
-            for &triangle in hits.iter() {
+            let nearest = scene.look(offset - along * 1.01, along, met);
+            for &(_, triangle) in met.iter().filter(|&&(t, _)| t <= nearest + TOUCHING) {
                 seen[triangle as usize].store(true, Ordering::Relaxed);
             }
         }
@@ -105,10 +105,10 @@ impl Rays {
         Some(Self { tree: TriangleTree::new(&triangles), triangles, flags })
     }
 
-    /// Collects what a viewer sees along a ray: the nearest occluder, what touches it and what is in front of it.
-    fn look(&self, origin: DVec3, along: DVec3, seen: &mut Vec<u32>) {
-        seen.clear();
-        let mut met: Vec<(f32, u32)> = Vec::new();
+    /// Collects what a viewer meets along a ray up to the nearest occluder, and some behind it, as parameter and triangle;
+    /// returns the parameter of that occluder.
+    fn look(&self, origin: DVec3, along: DVec3, met: &mut Vec<(f32, u32)>) -> f32 {
+        met.clear();
         let mut nearest = f32::INFINITY;
         self.tree.trace(origin.as_vec3a(), along.as_vec3a(), f32::INFINITY, |t, index, front| {
             let flags = self.flags[index as usize];
@@ -120,7 +120,7 @@ impl Rays {
             }
             nearest + TOUCHING
         });
-        seen.extend(met.iter().filter(|&&(t, _)| t <= nearest + TOUCHING).map(|&(_, index)| index));
+        nearest
     }
 
     /// Whether some ray from a triangle gets out.

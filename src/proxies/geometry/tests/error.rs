@@ -13,7 +13,7 @@ fn offset_plane_has_its_distance() {
     let (a, b) = (square(0.0), square(0.25));
     let [a, b] = [&a, &b].map(|positions| Surface { positions, indices: &SQUARE });
     assert_eq!(measure(a, b, 100), Deviation { max: 0.25, mean: 0.25 });
-    assert_eq!(measure(a, a, 100), Deviation::default());
+    assert!(measure(a, a, 100).max < 1e-6);
 }
 
 #[test]
