@@ -10,7 +10,7 @@ use super::tree::TriangleTree;
 use glam::DVec3;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Lines through the sphere: at least this many …
@@ -156,17 +156,10 @@ impl Rays {
     }
 }
 
-/// Adds the triangles that share an edge with a chosen one: samples miss slivers, and simplification needs whole borders.
+/// Adds the triangles that share a corner with a chosen one: samples miss slivers and what shows through narrow gaps, and
+/// simplification needs whole borders.
 fn dilated(soup: &Soup, chosen: &[bool]) -> Vec<bool> {
-    let edges = |t: usize| {
-        let corners = soup.corners(t).map(|v| soup.positions[v as usize].map(f32::to_bits));
-        [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (corners[a].min(corners[b]), corners[a].max(corners[b])))
-    };
-    let mut next_to_chosen: HashMap<([u32; 3], [u32; 3]), ()> = HashMap::new();
-    for t in (0..chosen.len()).filter(|&t| chosen[t]) {
-        next_to_chosen.extend(edges(t).map(|edge| (edge, ())));
-    }
-    (0..chosen.len())
-        .map(|t| chosen[t] || edges(t).iter().any(|edge| next_to_chosen.contains_key(edge)))
-        .collect()
+    let corners = |t: usize| soup.corners(t).map(|v| soup.positions[v as usize].map(f32::to_bits));
+    let touched: HashSet<[u32; 3]> = (0..chosen.len()).filter(|&t| chosen[t]).flat_map(corners).collect();
+    (0..chosen.len()).map(|t| chosen[t] || corners(t).iter().any(|corner| touched.contains(corner))).collect()
 }
