@@ -111,12 +111,14 @@ const LEAST_LOOK: f64 = 0.01;
 pub(super) fn choose(soup: &Soup, target: usize, reference: &Reference) -> (Soup, Strategy, Deviation) {
     let limit = reference.diagonal() as f32 * 2.0;
     let enough = target + target / 10;
+    // One of the two errors being nothing must not make up for the other.
+    let floor = reference.diagonal() * 1e-6;
     let mut best: Option<((bool, f64), Soup, Strategy, Deviation)> = None;
     for strategy in Strategy::REDUCING {
         let reduced = reduce(soup, target, limit, strategy);
         let (deviation, look) = reference.compare(&reduced);
         let many = reduced.triangle_count() > enough;
-        let error = deviation.max * deviation.mean * (look + LEAST_LOOK).powi(2);
+        let error = (deviation.max + floor) * (deviation.mean + floor) * (look + LEAST_LOOK).powi(2);
         let score = (many, if many { reduced.triangle_count() as f64 } else { error });
         if best.as_ref().is_none_or(|best| score < best.0) {
             best = Some((score, reduced, strategy, deviation));

@@ -150,7 +150,8 @@ fn tidy(soup: &Soup, indices: Vec<u32>) -> Soup {
     for corners in indices.chunks_exact(3) {
         let mut corners = [corners[0], corners[1], corners[2]];
         let positions = corners.map(|v| soup.positions[v as usize]);
-        if !(area(positions) > 0.0) {
+        let has_area = area(positions) > 0.0;
+        if !has_area {
             continue;
         }
         let class = out.vertex_class[corners[0] as usize];

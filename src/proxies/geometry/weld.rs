@@ -15,7 +15,7 @@ const SAME_UV: f32 = 1e-4;
 /// Vertices that nearly coincide become one: the first of them. `tolerance` in metres; 0: only exact repetitions.
 /// Triangles that lose their area this way and vertices that are not used are dropped.
 pub(super) fn weld(soup: &Soup, tolerance: f32) -> Soup {
-    let exact = !(tolerance > 0.0);
+    let exact = tolerance.is_nan() || tolerance <= 0.0;
     // Wide cells: a vertex can only be near another of its own cell or of a neighbour on its side.
     let size = f64::from(tolerance) * 2.0;
     let mut cells: HashMap<([i64; 3], u32), Vec<u32>> = HashMap::new();
