@@ -39,6 +39,7 @@ pub mod evaluate;
 pub mod generate;
 pub mod gltf;
 pub mod hidden;
+pub mod proxies;
 pub mod scene;
 #[cfg(feature = "render")]
 pub mod stage;

@@ -21,7 +21,7 @@ fn a_closed_box_hides_what_is_in_it_unless_a_camera_fits_in() {
     assert_eq!(names, ["outer"]);
     assert_eq!((report.objects, report.objects_removed, report.triangles_removed), (2, 1, 12));
     assert_eq!((report.largest.len(), report.largest[0].name.as_deref()), (1, Some("inner")));
-    assert_eq!(report.camera_points > 0, true, "there is room around the scene");
+    assert!(report.camera_points > 0, "there is room around the scene");
     let (names, report, _) = left(&builder, Some(0.2));
     assert_eq!((names.as_slice(), report.objects_removed), (&["outer".into(), "inner".into()][..], 0));
     // By default half a percent of the radius is enough for a camera.

@@ -1,0 +1,3 @@
+//! Proxies: simplified stand-ins for groups of objects.
+
+pub mod geometry;
