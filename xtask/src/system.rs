@@ -1,10 +1,12 @@
-//! What the tests need of the system: software Vulkan, and a display for the viewer.
+//! What the tests need of the system: a C++ compiler, software Vulkan, and a display for the viewer.
 
 use crate::run;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Packages of Debian and its relatives. The libraries are those that the viewer loads at run time on X11.
+/// For `meshopt`, which is C++.
+const COMPILER: &[&str] = &["g++"];
 const VULKAN: &[&str] = &["mesa-vulkan-drivers"];
 const DISPLAY: &[&str] =
     &["xvfb", "xdotool", "libx11-6", "libx11-xcb1", "libxcursor1", "libxi6", "libxkbcommon-x11-0"];
@@ -15,6 +17,11 @@ pub(crate) fn install() -> Result<(), String> {
         return Ok(());
     }
     let mut missing: Vec<&str> = Vec::new();
+    if std::env::var_os("CXX").is_none()
+        && !["c++", "g++", "clang++"].iter().any(|cxx| on_path(cxx).is_some())
+    {
+        missing.extend(COMPILER);
+    }
     if !has_vulkan() {
         missing.extend(VULKAN);
     }
