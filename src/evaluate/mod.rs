@@ -16,7 +16,8 @@
 //! ```
 //!
 //! - Cameras go along the paths in fixed steps, so that every method, machine and day sees the same frames.
-//! - The **reference** is the picture with frustum culling, and its item buffer: which object each pixel shows.
+//! - The **reference** is the picture with frustum culling, and its item buffer: which object each pixel shows. Pictures may
+//!   be compared with those of another method instead.
 //! - **Pictures** are compared untimed: structural similarity over an image pyramid, signal-to-noise ratios of brightness
 //!   and colour, missing objects and their pixels, objects drawn for nothing.
 //! - **Times** are taken offscreen, where nothing waits for a display, in several passes. Within a pass the methods take
@@ -46,6 +47,6 @@ pub use options::{EvaluateOptions, EvaluationMethod, FrameBudget, OptionError, T
 pub use report::{REPORT_FILES, ReportError};
 pub use result::{
     CostReport, Evaluation, FrameResult, MethodSummary, MissingObject, PathEvaluation, QualityResult,
-    Settings, TimeResult, TimeSource, WorstFrame,
+    Settings, Simplified, TimeResult, TimeSource, WorstFrame,
 };
 pub use run::evaluate;

@@ -3,6 +3,7 @@
 use crate::camera_path::CameraPath;
 use std::fmt;
 use std::str::FromStr;
+use svs_runtime::{Detail, Metric};
 
 /// What decides which objects a frame draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -20,12 +21,30 @@ pub enum EvaluationMethod {
     /// Spherical visibility within the same budget by the rule of Eikel's dissertation (2013): in order of visible pixels
     /// per triangle up to the first object that does not fit.
     FirstMisfit,
+    /// Spherical visibility, simplified levels and proxies by [`EvaluateOptions::detail`], within the budget if there is one.
+    Proxies,
+    /// The same with the screen-space error alone, whatever is visible of it.
+    ProxiesSse,
+    /// The same with an error that counts in proportion to the visible share.
+    ProxiesLinear,
+    /// Proxies without visibility: frustum culling and the screen-space error.
+    ProxiesFrustum,
 }
 
 impl EvaluationMethod {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Nothing, Self::Frustum, Self::Visibility, Self::Exact, Self::Budget, Self::FirstMisfit];
+    pub const ALL: [Self; 10] = [
+        Self::Nothing,
+        Self::Frustum,
+        Self::Visibility,
+        Self::Exact,
+        Self::Budget,
+        Self::FirstMisfit,
+        Self::Proxies,
+        Self::ProxiesSse,
+        Self::ProxiesLinear,
+        Self::ProxiesFrustum,
+    ];
 
     /// As on the command line and in reports.
     pub fn name(self) -> &'static str {
@@ -36,7 +55,26 @@ impl EvaluationMethod {
             Self::Exact => "exact",
             Self::Budget => "budget",
             Self::FirstMisfit => "first-misfit",
+            Self::Proxies => "proxies",
+            Self::ProxiesSse => "proxies-sse",
+            Self::ProxiesLinear => "proxies-linear",
+            Self::ProxiesFrustum => "proxies-frustum",
         }
+    }
+
+    /// It draws proxies: its metric, or `None` for that of the options.
+    pub fn draws_proxies(self) -> Option<Option<Metric>> {
+        match self {
+            Self::Proxies => Some(None),
+            Self::ProxiesSse | Self::ProxiesFrustum => Some(Some(Metric::Sse)),
+            Self::ProxiesLinear => Some(Some(Metric::Linear)),
+            _ => None,
+        }
+    }
+
+    /// What it draws depends on the frames before.
+    pub(super) fn has_memory(self) -> bool {
+        self == Self::Budget || self.draws_proxies().is_some()
     }
 
     /// It needs [`EvaluateOptions::budget`].
@@ -127,8 +165,13 @@ pub struct EvaluateOptions {
     pub methods: Vec<EvaluationMethod>,
     /// Quality of the visibility query, 0 to 1; `None`: as the file recommends, else the runtime's default.
     pub quality: Option<f32>,
-    /// For the methods with a budget.
+    /// For the methods with a budget, and for those that draw proxies.
     pub budget: Option<FrameBudget>,
+    /// For the methods that draw proxies.
+    pub detail: Detail,
+    /// Whose pictures the others are compared with. Missing objects and holes are always those of
+    /// [`EvaluationMethod::Frustum`].
+    pub reference: EvaluationMethod,
     /// Frames of each path.
     pub frames: usize,
     /// How often each frame is timed with each method.
@@ -147,6 +190,8 @@ impl Default for EvaluateOptions {
             methods: vec![EvaluationMethod::Frustum, EvaluationMethod::Visibility, EvaluationMethod::Exact],
             quality: None,
             budget: None,
+            detail: Detail::default(),
+            reference: EvaluationMethod::Frustum,
             frames: 48,
             passes: 3,
             width: 1280,
@@ -165,6 +210,11 @@ const MOST_FRAMES: usize = 100_000;
 const MOST_PASSES: usize = 1000;
 
 impl EvaluateOptions {
+    /// A method keeps within the budget.
+    pub fn limits(&self, method: EvaluationMethod) -> bool {
+        self.budget.is_some() && (method.is_budgeted() || method.draws_proxies().is_some())
+    }
+
     /// Whether they make sense together.
     ///
     /// # Errors
@@ -194,6 +244,12 @@ impl EvaluateOptions {
         for side in [self.width, self.height] {
             range("pixels a side", side.into(), LEAST_SIZE.into(), MOST_SIZE.into())?;
         }
+        if !(self.detail.tau.is_finite() && self.detail.tau >= 0.0) {
+            return Err(OptionError::Detail);
+        }
+        if self.reference.is_budgeted() && self.budget.is_none() {
+            return Err(OptionError::NoBudget(self.reference));
+        }
         match self.quality {
             Some(quality) if !(0.0..=1.0).contains(&quality) => Err(OptionError::Quality),
             _ => Ok(()),
@@ -207,7 +263,8 @@ impl EvaluateOptions {
 pub enum OptionError {
     /// No such method.
     #[error(
-        "there is no method {0:?}; there are nothing, frustum, visibility, exact, budget and first-misfit"
+        "there is no method {0:?}; there are nothing, frustum, visibility, exact, budget, first-misfit, proxies, proxies-sse, \
+         proxies-linear and proxies-frustum"
     )]
     Method(String),
     /// No method at all.
@@ -240,6 +297,9 @@ pub enum OptionError {
     /// Quality is out of its range.
     #[error("the quality must be a number from 0 to 1")]
     Quality,
+    /// The error in pixels is none.
+    #[error("the error in pixels must be a finite number, 0 or more")]
+    Detail,
 }
 
 #[cfg(test)]
@@ -277,6 +337,8 @@ mod tests {
         assert!(with(&|o| o.width = 0).is_err());
         assert!(with(&|o| o.height = 10_000).is_err());
         assert!(with(&|o| o.quality = Some(f32::NAN)).is_err());
+        assert!(with(&|o| o.detail.tau = f32::NAN).is_err());
+        assert!(with(&|o| o.reference = EvaluationMethod::Budget).is_err());
         assert!(with(&|o| o.methods.clear()).is_err());
         assert!(with(&|o| o.methods.push(EvaluationMethod::Frustum)).is_err());
         assert!(with(&|o| o.methods.push(EvaluationMethod::Budget)).is_err());

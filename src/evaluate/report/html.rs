@@ -22,11 +22,13 @@ pub(super) fn page(evaluation: &Evaluation) -> String {
     html += &findings(evaluation);
     html += "<h2>All paths</h2>\n";
     html += &table(&evaluation.methods);
+    html += &simplified_table(&evaluation.methods);
     let methods = methods(&evaluation.methods);
     for path in &evaluation.paths {
         let _ = writeln!(html, "<h2>Path “{}”</h2>", escape(&path.name));
         if evaluation.paths.len() > 1 {
             html += &table(&path.methods);
+            html += &simplified_table(&path.methods);
         }
         html += &legend(&methods);
         html += &plots(path, &methods);
@@ -103,6 +105,37 @@ fn table(methods: &[MethodSummary]) -> String {
     html + "</tbody></table></div>\n<p class=\"quiet\">Culling, objects, draw calls and triangles are medians.</p>\n"
 }
 
+/// What is simplified, for the methods that simplify; nothing without them.
+fn simplified_table(methods: &[MethodSummary]) -> String {
+    let draws_proxies = |method: &&MethodSummary| {
+        method.method.parse().is_ok_and(|method: EvaluationMethod| method.draws_proxies().is_some())
+    };
+    if !methods.iter().any(|method| draws_proxies(&method)) {
+        return String::new();
+    }
+    let mut html = String::from(
+        "<div class=\"wide\"><table><thead><tr><th rowspan=\"2\">method</th><th rowspan=\"2\">proxies</th>\
+         <th rowspan=\"2\">simplified<br>objects</th><th rowspan=\"2\">HLOD<br>nodes</th>\
+         <th colspan=\"2\">largest hole, px</th><th colspan=\"2\">largest missing, px</th>\
+         <th colspan=\"2\">PSNR Cb, dB</th><th colspan=\"2\">PSNR Cr, dB</th></tr>\n<tr>",
+    );
+    html += &"<th>median</th><th>worst</th>".repeat(4);
+    html += "</tr></thead><tbody>\n";
+    for method in methods {
+        let mut cells = vec![escape(&method.method)];
+        cells.extend([method.proxies, method.levels, method.nodes].map(|f| grouped(f.median)));
+        for figures in [method.largest_hole, method.largest_missing] {
+            cells.extend([figures.median, figures.worst].map(grouped));
+        }
+        for ratio in [method.psnr_cb, method.psnr_cr] {
+            cells.extend([ratio.median, ratio.worst].map(decibels));
+        }
+        let cells: Vec<String> = cells.into_iter().map(|cell| format!("<td>{cell}</td>")).collect();
+        let _ = writeln!(html, "<tr>{}</tr>", cells.concat());
+    }
+    html + "</tbody></table></div>\n"
+}
+
 fn legend(methods: &[EvaluationMethod]) -> String {
     let mut html = String::from("<div class=\"legend\">");
     for &method in methods {
@@ -133,7 +166,10 @@ fn plots(path: &PathEvaluation, methods: &[EvaluationMethod]) -> String {
     let missing = |frame: &FrameResult| frame.quality.missing_ppm;
     let likeness = |frame: &FrameResult| frame.quality.ssim;
     // A budget leaves out so much that nothing else could be read off the same axis.
-    let (budgeted, free): (Vec<_>, Vec<_>) = methods.iter().copied().partition(|method| method.is_budgeted());
+    let has_budget = path.frames.iter().any(|frame| frame.triangle_budget.is_some());
+    let is_limited =
+        |method: &EvaluationMethod| method.is_budgeted() || (has_budget && method.draws_proxies().is_some());
+    let (budgeted, free): (Vec<_>, Vec<_>) = methods.iter().copied().partition(is_limited);
     let mut plots = vec![
         plot("Frame time, ms", methods, wide(path, &time), &time),
         plot("Triangles drawn", methods, wide(path, &triangles), &triangles),
@@ -202,6 +238,12 @@ fn facts(evaluation: &Evaluation) -> String {
         ),
         ("program", format!("svs {}", machine.version)),
     ];
+    if evaluation.methods.iter().any(|method| method.method.starts_with("proxies")) {
+        rows.push(("detail", format!("{} px, metric {}", settings.detail_px, settings.metric)));
+    }
+    if settings.reference != EvaluationMethod::Frustum.name() {
+        rows.push(("pictures are compared with", settings.reference.clone()));
+    }
     if let Some(budget) = &settings.budget {
         rows.push(("budget", budget.clone()));
     }
@@ -254,6 +296,15 @@ fn explanation(evaluation: &Evaluation) -> String {
     }
     if has(EvaluationMethod::Budget) {
         html += "<p><b>budget</b> is visibility with the runtime’s choice within the budget.</p>\n";
+    }
+    if evaluation.methods.iter().any(|m| m.method.starts_with("proxies")) {
+        html += "<p><b>proxies</b> is visibility with simplified objects and proxies of groups, where their error stays below \
+                 the detail in pixels, or the budget asks for it; <b>proxies-sse</b> and <b>proxies-linear</b> are the same with \
+                 another metric, and <b>proxies-frustum</b> without visibility. An object is not missing if something that \
+                 stands for it is drawn. HLOD nodes are the proxies drawn and the innermost proxy nodes of which objects \
+                 are drawn themselves. The largest hole is the largest region of pixels (neighbours share an edge) where \
+                 the reference shows an object and the picture shows nothing; the largest missing is the largest region that \
+                 shows missing objects in the reference.</p>\n";
     }
     if has(EvaluationMethod::FirstMisfit) {
         html += "<p><b>first-misfit</b> is the rule of Eikel’s dissertation (2013) on the same candidates and values: most \
