@@ -85,9 +85,11 @@ pub(crate) enum TourName {
     Outside,
     /// A walk through it
     Inside,
-    /// One after the other
+    /// Outside and inside, one after the other
     #[default]
     Both,
+    /// Turns about it, from overview to close-up and back
+    Inspection,
 }
 
 impl From<TourName> for Tour {
@@ -96,6 +98,7 @@ impl From<TourName> for Tour {
             TourName::Outside => Self::Outside,
             TourName::Inside => Self::Inside,
             TourName::Both => Self::Both,
+            TourName::Inspection => Self::Inspection,
         }
     }
 }

@@ -149,9 +149,11 @@ pub enum Tour {
     Outside,
     /// A walk through it.
     Inside,
-    /// One after the other.
+    /// Outside and inside, one after the other.
     #[default]
     Both,
+    /// Turns about the scene, from overview to close-up and back.
+    Inspection,
 }
 
 /// What to measure. The default is what `svs evaluate` does.
