@@ -11,24 +11,24 @@ use svs_runtime::Visibility;
 use svs_runtime::format::{EXTENSION_NAME, Extension};
 
 /// Balls along x and z.
-pub const SIDE: usize = 6;
+pub(crate) const SIDE: usize = 6;
 /// Distance of neighbours, metres; balls have radius 1.
-pub const STEP: f32 = 2.5;
+pub(crate) const STEP: f32 = 2.5;
 /// Rings and sectors of a ball as it is, at its level, and in proxies.
 const FINE: (u32, u32) = (16, 32);
 const LEVEL: (u32, u32) = (8, 16);
 const COARSE: (u32, u32) = (4, 8);
 /// How far the coarse balls are from round, metres: the level, the proxies.
-pub const ERRORS: [f32; 2] = [0.06, 0.2];
+pub(crate) const ERRORS: [f32; 2] = [0.06, 0.2];
 
 /// Triangles of a ball: as it is, at its level, in proxies.
-pub fn triangles() -> [u32; 3] {
+pub(crate) fn triangles() -> [u32; 3] {
     [FINE, LEVEL, COARSE].map(|(rings, sectors)| 2 * sectors * (rings - 1))
 }
 
 /// The baked scene with proxies: a root, two halves of the objects below it, and nothing below these. Mesh 1 is a level of
 /// mesh 0.
-pub fn document() -> Document {
+pub(crate) fn document() -> Document {
     let mut scene = Builder::default();
     scene.mesh(&[Vec3::ZERO], FINE);
     let nodes: Vec<Value> = places().map(|at| json!({"mesh": 0, "translation": at.to_array()})).collect();
@@ -188,6 +188,6 @@ impl Builder {
 }
 
 /// A place from which the whole scene is seen, `radii` scene radii from its middle.
-pub fn eye(radii: f64) -> DVec3 {
+pub(crate) fn eye(radii: f64) -> DVec3 {
     DVec3::new(0.5, 0.6, 0.7).normalize() * f64::from(STEP) * SIDE as f64 * 0.7 * radii
 }
