@@ -44,7 +44,7 @@ use pieces::Piece;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::time::Instant;
-use svs_runtime::format::{MeshLevelJson, MeshLevelsJson};
+use serde_json::{Value, json};
 use tables::{Row, Rows};
 
 /// A tree that may get proxies.
@@ -61,8 +61,8 @@ pub struct ProxyTree<'a> {
 pub struct ProxyBake {
     /// Meshes, and all that they need.
     pub additions: Additions,
-    /// Simplified versions of meshes.
-    pub mesh_levels: Vec<MeshLevelsJson>,
+    /// The extension's `meshLevels`: simplified versions of meshes.
+    pub mesh_levels: Vec<Value>,
     /// The tables of each tree; none for a tree without proxies.
     pub trees: Vec<Vec<EncodedTable>>,
     /// Figures.
@@ -275,13 +275,13 @@ impl Made {
                 let triangles: Vec<Triangles<'_>> =
                     primitives.map(|p| of_primitive(p, materials.of_original(p.material))).collect();
                 if let Some(mesh) = encoder.mesh(triangles.into_iter()) {
-                    levels.push(MeshLevelJson { mesh: mesh as u32, error: level.error });
+                    levels.push(json!({"mesh": mesh, "error": level.error}));
                     bake.report.mesh_level_triangles += level.triangles as u64;
                 }
             }
             bake.report.simplified_meshes += 1;
             bake.report.mesh_levels += levels.len();
-            bake.mesh_levels.push(MeshLevelsJson { mesh: simplified.gltf_mesh(document, scene), levels });
+            bake.mesh_levels.push(json!({"mesh": simplified.gltf_mesh(document, scene), "levels": levels}));
         }
         bake.additions = encoder.finish();
         let (appended, extensions) = materials.finish();
@@ -356,23 +356,21 @@ fn of_primitive(primitive: &svs_render::Primitive, material: Option<usize>) -> T
 impl ProxyBake {
     /// Bytes added to the file, but for the extension's own JSON: that is nearly what a few table names take.
     fn bytes(&self) -> u64 {
-        let json = |values: &[serde_json::Value]| -> u64 {
+        let json = |values: &[Value]| -> u64 {
             values.par_iter().map(|value| value.to_string().len() as u64 + 1).sum()
         };
-        let tables = self.trees.iter().flatten().map(|table| table.bytes.len() as u64).sum::<u64>();
         let trees = self.trees.iter().filter(|tables| !tables.is_empty()).count() as u64;
-        let levels = self.mesh_levels.iter().map(|mesh| 40 + 50 * mesh.levels.len() as u64).sum::<u64>();
-        self.additions.bytes()
-            + tables
+        self.stored_bytes()
             + trees * TABLES_JSON
-            + levels
+            + json(&self.mesh_levels)
             + json(&self.additions.accessors)
             + json(&self.additions.meshes)
             + json(&self.additions.materials)
     }
 
-    /// Nothing is to be added.
-    pub fn is_empty(&self) -> bool {
-        self.additions.meshes.is_empty()
+    /// Bytes of buffers: vertices, indices and tables.
+    pub fn stored_bytes(&self) -> u64 {
+        let tables = self.trees.iter().flatten().map(|table| table.bytes.len() as u64).sum::<u64>();
+        self.additions.bytes() + tables
     }
 }

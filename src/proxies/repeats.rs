@@ -35,26 +35,18 @@ pub(super) fn find(subject: &Subject, drawn: &[bool], within: Range<u32>, triang
         })
         .collect();
     let hashes = Hashes::new(subject);
-    let mut kinds: HashMap<(u32, u64), Vec<(Range<u32>, u32, u32)>> = HashMap::new();
-    let mut next = 0;
+    let mut kinds: HashMap<(u32, u64), Vec<(Range<u32>, u32)>> = HashMap::new();
     let mut kind_of: Vec<Option<u32>> = Vec::with_capacity(ranges.len());
     let mut counts: Vec<u32> = Vec::new();
     for range in &ranges {
         let known = kinds.entry((range.end - range.start, hashes.of(range))).or_default();
-        let same = known.iter_mut().find(|(first, ..)| is_copy(subject, first, range));
-        let kind = match same {
-            Some((_, kind, count)) => {
-                *count += 1;
-                Some(*kind)
-            }
-            None if known.len() < KINDS => {
-                known.push((range.clone(), next, 1));
-                counts.push(0);
-                next += 1;
-                Some(next - 1)
-            }
-            None => None,
-        };
+        let mut kind = known.iter().find(|(first, _)| is_copy(subject, first, range)).map(|(_, kind)| *kind);
+        if kind.is_none() && known.len() < KINDS {
+            let next = counts.len() as u32;
+            known.push((range.clone(), next));
+            counts.push(0);
+            kind = Some(next);
+        }
         if let Some(kind) = kind {
             counts[kind as usize] += 1;
         }
