@@ -58,6 +58,30 @@ pub enum BoundsError {
         /// Objects in the tree.
         expected: usize,
     },
+    /// Not one triangle count per proxy of the tree.
+    #[error("tree {tree} has {expected} proxies, but {found} triangle counts were given")]
+    ProxyTriangles {
+        /// Index of the tree.
+        tree: usize,
+        /// Counts given.
+        found: usize,
+        /// Proxies of the tree.
+        expected: usize,
+    },
+    /// Where levels start does not ascend from 0 to their number, with one entry per object and one more.
+    #[error("tree {tree}: where the levels of its objects start does not fit the objects and the levels")]
+    LevelStarts {
+        /// Index of the tree.
+        tree: usize,
+    },
+    /// More than 64 levels, errors that are not finite or fall, or triangles that rise.
+    #[error("tree {tree}, object {object}: its levels do not get coarser and coarser, or are more than 64")]
+    Levels {
+        /// Index of the tree.
+        tree: usize,
+        /// Place in tree order.
+        object: usize,
+    },
     /// Not one triangle count per loose object, or more objects than can be numbered.
     #[error("{boxes} boxes of loose objects, but {triangles} triangle counts were given")]
     LooseCount {

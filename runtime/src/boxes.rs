@@ -1,6 +1,8 @@
 //! Boxes of everything in a tree.
 
 use crate::bounds::Bounds;
+use crate::detail::mu::{Shape, shapes};
+use crate::nesting;
 use crate::tree::Tree;
 
 /// Boxes of a tree's objects and nodes.
@@ -11,6 +13,8 @@ pub(crate) struct Boxes {
     pub(crate) nodes: Vec<Bounds>,
     /// Unions of [`CHUNK`] objects each in tree order, for where there are no nodes.
     pub(crate) chunks: Vec<Bounds>,
+    /// What each proxy could show.
+    pub(crate) proxies: Vec<Shape>,
 }
 
 /// Objects with a common box where there are no nodes.
@@ -40,22 +44,14 @@ impl Boxes {
             })
         };
         let chunks = objects.chunks(CHUNK as usize).map(union).collect();
-        Self { objects: objects.to_vec(), nodes, chunks }
+        let proxies = tree.proxies().map_or(Vec::new(), |proxies| shapes(tree, proxies, objects));
+        Self { objects: objects.to_vec(), nodes, chunks, proxies }
     }
 }
 
 /// Parent of each node.
 pub(crate) fn parents(tree: &Tree) -> Vec<Option<u32>> {
-    let mut open: Vec<u32> = Vec::new();
-    let nodes = tree.nodes();
-    (0..nodes.len() as u32)
-        .map(|index| {
-            open.truncate(nodes[index as usize].depth as usize);
-            let parent = open.last().copied();
-            open.push(index);
-            parent
-        })
-        .collect()
+    nesting::parents(tree.nodes().iter().map(|node| node.depth))
 }
 
 /// Innermost node above each object; empty without nodes.

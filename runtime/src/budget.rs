@@ -72,6 +72,14 @@ impl Capacity<'_> {
         }
     }
 
+    /// What so many more triangles and draws cost; negative if they cost less.
+    pub(crate) fn difference(&self, triangles: i64, draws: i64) -> f64 {
+        match self {
+            Self::Triangles(_) => triangles as f64,
+            Self::Milliseconds(_, model) => model.predict_difference(triangles, draws),
+        }
+    }
+
     /// A part of the budget less.
     pub(crate) fn less(self, part: f64) -> Self {
         match self {

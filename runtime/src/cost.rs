@@ -105,6 +105,12 @@ impl CostModel {
         base + per_triangle * (triangles as f64 * 1e-6) + per_draw * (draws as f64 * 1e-3)
     }
 
+    /// Milliseconds that so many more triangles and draws add.
+    pub(crate) fn predict_difference(&self, triangles: i64, draws: i64) -> f64 {
+        let [_, per_triangle, per_draw] = self.coefficients;
+        per_triangle * (triangles as f64 * 1e-6) + per_draw * (draws as f64 * 1e-3)
+    }
+
     /// Milliseconds that one more object of so many triangles adds.
     pub(crate) fn predict_object(&self, triangles: u32) -> f64 {
         let [_, per_triangle, per_draw] = self.coefficients;

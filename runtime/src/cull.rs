@@ -4,6 +4,7 @@ use crate::bounds::{Bounds, BoundsError};
 use crate::boxes::{Boxes, innermost, parents};
 use crate::camera::Camera;
 use crate::hits::{Hit, Hits};
+use crate::proxies::Proxies;
 use crate::query::Settings;
 use crate::traverse::{CullStatistics, Hidden, Pass};
 use crate::tree::Tree;
@@ -31,6 +32,9 @@ pub(crate) struct Instance {
 struct Above {
     node_of_object: Vec<Option<u32>>,
     parents: Vec<Option<u32>>,
+    /// The same of the proxies, by place in tree order.
+    proxy_of_object: Vec<Option<u32>>,
+    proxy_parents: Vec<Option<u32>>,
 }
 
 impl Culler {
@@ -109,6 +113,11 @@ impl Instance {
         self.hidden.as_ref().is_some_and(|both| both.0.below[node] > 0)
     }
 
+    /// Something a proxy stands for is hidden.
+    pub(crate) fn is_proxy_disturbed(&self, node: u32) -> bool {
+        self.hidden.as_ref().is_some_and(|both| both.0.below_proxies[node as usize] > 0)
+    }
+
     /// `true` if that changed something.
     pub(crate) fn set_hidden(&mut self, object: u32, hidden: bool) -> bool {
         if object as usize >= self.tree.object_count() || (!hidden && self.hidden.is_none()) {
@@ -126,20 +135,42 @@ impl Instance {
     /// Stops trusting the spheres above an object, or takes that back.
     pub(crate) fn disturb(&mut self, object: u32, disturbed: bool) {
         let (hidden, above) = self.state();
-        let mut node = above.node_of_object.get(object as usize).copied().flatten();
-        while let Some(index) = node {
-            let count = &mut hidden.below[index as usize];
-            *count = if disturbed { *count + 1 } else { count.saturating_sub(1) };
-            node = above.parents[index as usize];
+        for (of_object, parents, below) in [
+            (&above.node_of_object, &above.parents, &mut hidden.below),
+            (&above.proxy_of_object, &above.proxy_parents, &mut hidden.below_proxies),
+        ] {
+            let mut node = of_object.get(object as usize).copied().flatten();
+            while let Some(index) = node {
+                let count = &mut below[index as usize];
+                *count = if disturbed { *count + 1 } else { count.saturating_sub(1) };
+                node = parents[index as usize];
+            }
         }
     }
 
     fn state(&mut self) -> &mut (Hidden, Above) {
         let tree = &self.tree;
         self.hidden.get_or_insert_with(|| {
-            let hidden =
-                Hidden { objects: vec![false; tree.object_count()], below: vec![0; tree.nodes().len()] };
-            Box::new((hidden, Above { node_of_object: innermost(tree), parents: parents(tree) }))
+            let mut proxy_of_object = Vec::new();
+            if let Some(proxies) = tree.proxies() {
+                proxy_of_object.resize(tree.object_count(), None);
+                for (position, proxy) in proxies.innermost().enumerate() {
+                    proxy_of_object[proxies.object(position as u32) as usize] = proxy;
+                }
+            }
+            let proxy_parents = tree.proxies().map_or(Vec::new(), Proxies::parents);
+            let hidden = Hidden {
+                objects: vec![false; tree.object_count()],
+                below: vec![0; tree.nodes().len()],
+                below_proxies: vec![0; proxy_parents.len()],
+            };
+            let above = Above {
+                node_of_object: innermost(tree),
+                parents: parents(tree),
+                proxy_of_object,
+                proxy_parents,
+            };
+            Box::new((hidden, above))
         })
     }
 }

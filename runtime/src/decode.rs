@@ -2,7 +2,9 @@
 
 use crate::encode::parse_hash;
 use crate::error::{DecodeError, TreeError};
-use crate::format::{Extension, TreeJson};
+use crate::format::{Extension, ProxiesJson, TreeJson};
+use crate::mesh_levels::{self, MeshLevels};
+use crate::proxies::ProxyTables;
 use crate::sharing::first_excess;
 use crate::tables::TreeTables;
 use crate::tree::{Fingerprint, Nested, Placement, Tree};
@@ -32,6 +34,7 @@ pub struct AccessorView<'a> {
 #[derive(Clone, Debug)]
 pub struct Visibility {
     trees: Vec<Arc<Tree>>,
+    mesh_levels: Vec<MeshLevels>,
 }
 
 impl Visibility {
@@ -58,7 +61,7 @@ impl Visibility {
             return Err(DecodeError::Version { found: extension.version });
         }
         let named = extension.trees.iter().enumerate();
-        let named = named.flat_map(|(tree, json)| json.tables.accessors().map(move |index| (tree, index)));
+        let named = named.flat_map(|(tree, json)| json.accessors().map(move |index| (tree, index)));
         // Accessors that cannot be read are reported by the tree that needs them.
         let (named, views): (Vec<usize>, Vec<AccessorView<'_>>) =
             named.filter_map(|(tree, index)| Some((tree, source.accessor(index as usize)?))).unzip();
@@ -70,7 +73,9 @@ impl Visibility {
             let decoded = read_tables(json, source).and_then(Tree::new);
             trees.push(decoded.map_err(|source| DecodeError::Tree { tree, source })?);
         }
-        Self::new(trees)
+        let mut visibility = Self::new(trees)?;
+        visibility.mesh_levels = mesh_levels::read(&extension.mesh_levels)?;
+        Ok(visibility)
     }
 
     /// Puts trees together and checks that their `nested` entries fit.
@@ -80,12 +85,17 @@ impl Visibility {
     /// or if trees contain each other.
     pub fn new(trees: Vec<Tree>) -> Result<Self, DecodeError> {
         check_nested(&trees)?;
-        Ok(Self { trees: trees.into_iter().map(Arc::new).collect() })
+        Ok(Self { trees: trees.into_iter().map(Arc::new).collect(), mesh_levels: Vec::new() })
     }
 
     /// The trees, in the order of the file.
     pub fn trees(&self) -> &[Arc<Tree>] {
         &self.trees
+    }
+
+    /// Simplified versions of meshes, in the order of the file; each mesh appears once.
+    pub fn mesh_levels(&self) -> &[MeshLevels] {
+        &self.mesh_levels
     }
 }
 
@@ -175,6 +185,7 @@ fn read_tables(json: TreeJson, source: &dyn AccessorSource) -> Result<TreeTables
             .transpose()?,
         importance_area: json.importance_area,
         importance: reader("IMPORTANCE", tables.importance).map_or(Ok(Vec::new()), |r| r.bytes())?,
+        proxies: json.proxies.as_ref().map(|proxies| read_proxies(proxies, source)).transpose()?,
         nested: json
             .nested
             .iter()
@@ -182,6 +193,22 @@ fn read_tables(json: TreeJson, source: &dyn AccessorSource) -> Result<TreeTables
             .collect(),
         recommended_quality: json.recommended.map(|r| r.quality as f32),
         fingerprint,
+    })
+}
+
+fn read_proxies(json: &ProxiesJson, source: &dyn AccessorSource) -> Result<ProxyTables, TreeError> {
+    let tables = &json.tables;
+    let reader = |table, index| Reader { source, table, index };
+    Ok(ProxyTables {
+        visible: json.visible,
+        sphere: reader("PROXY_SPHERE", tables.sphere).spheres()?,
+        subtree: reader("PROXY_SUBTREE", tables.subtree).integers()?,
+        first_object: reader("PROXY_FIRST_OBJECT", tables.first_object).integers()?,
+        object_count: reader("PROXY_OBJECT_COUNT", tables.object_count).integers()?,
+        object: tables.object.map(|index| reader("PROXY_OBJECT", index).integers()).transpose()?,
+        error: reader("PROXY_ERROR", tables.error).floats::<1>()?.into_iter().flatten().collect(),
+        mesh: reader("PROXY_MESH", tables.mesh).integers()?,
+        origin: reader("PROXY_ORIGIN", tables.origin).floats::<3>()?,
     })
 }
 
@@ -216,16 +243,17 @@ impl Reader<'_> {
     }
 
     fn spheres(&self) -> Result<Vec<[f32; 4]>, TreeError> {
-        let (view, _) = self.view(4)?;
+        self.floats::<4>()
+    }
+
+    fn floats<const N: usize>(&self) -> Result<Vec<[f32; N]>, TreeError> {
+        let (view, _) = self.view(N as u32)?;
         if view.component_type != 5126 {
             return Err(self.wrong_type());
         }
         let float = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
-        Ok(view
-            .bytes
-            .chunks_exact(16)
-            .map(|b| [float(b), float(&b[4..]), float(&b[8..]), float(&b[12..])])
-            .collect())
+        let element = |b: &[u8]| std::array::from_fn(|k| float(&b[4 * k..]));
+        Ok(view.bytes.chunks_exact(4 * N).map(element).collect())
     }
 
     fn integers(&self) -> Result<Vec<u32>, TreeError> {

@@ -22,6 +22,14 @@ pub enum DecodeError {
         /// Index of the first tree that is too much.
         tree: usize,
     },
+    /// An entry of `meshLevels` is empty, too long, repeats a mesh, or has errors that are not finite or fall.
+    #[error("meshLevels/{entry}: {problem}")]
+    MeshLevels {
+        /// Index of the entry.
+        entry: usize,
+        /// What is wrong.
+        problem: &'static str,
+    },
     /// One of the trees is wrong.
     #[error("trees/{tree}: {source}")]
     Tree {
@@ -135,6 +143,27 @@ pub enum TreeError {
         entry: usize,
         /// What is wrong.
         problem: &'static str,
+    },
+    /// Something is wrong with the proxies; nodes are proxies then.
+    #[error("proxies: {0}")]
+    Proxies(Box<TreeError>),
+    /// A geometric error is negative, not finite or larger than the parent's.
+    #[error("node {node}: its error is negative, not finite or larger than its parent's")]
+    ProxyError {
+        /// Index of the proxy.
+        node: usize,
+    },
+    /// An origin is not finite.
+    #[error("node {node}: its origin is not finite")]
+    ProxyOrigin {
+        /// Index of the proxy.
+        node: usize,
+    },
+    /// `PROXY_OBJECT` is not a permutation of the tree's objects.
+    #[error("tables/PROXY_OBJECT: {value} appears twice or is no object")]
+    ProxyOrder {
+        /// The value.
+        value: u32,
     },
     /// The quality is not between 0 and 1.
     #[error("recommended/quality must be between 0 and 1")]

@@ -22,6 +22,9 @@ pub struct Extension {
     pub generator: Option<String>,
     /// One entry per visibility tree.
     pub trees: Vec<TreeJson>,
+    /// Simplified versions of meshes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mesh_levels: Vec<MeshLevelsJson>,
     /// Application data.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extras: Option<serde_json::Value>,
@@ -48,6 +51,9 @@ pub struct TreeJson {
     /// Accessors of the tables.
     #[serde(default)]
     pub tables: Tables,
+    /// Meshes that stand for groups of objects.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub proxies: Option<ProxiesJson>,
     /// Objects that stand for an anchor of another tree.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub nested: Vec<NestedJson>,
@@ -91,12 +97,83 @@ pub struct Tables {
     pub importance: Option<u32>,
 }
 
+impl TreeJson {
+    /// The accessors of all tables of the tree, those of its proxies included.
+    pub fn accessors(&self) -> impl Iterator<Item = u32> + '_ {
+        self.tables.accessors().chain(self.proxies.iter().flat_map(|proxies| proxies.tables.accessors()))
+    }
+}
+
 impl Tables {
     /// The accessors of all tables there are.
     pub fn accessors(&self) -> impl Iterator<Item = u32> + '_ {
         let nodes = [self.node_sphere, self.node_subtree, self.node_first_object, self.node_object_count];
         let objects = [self.object_order, self.level_row, self.level_row_index, self.importance];
         nodes.into_iter().chain(objects).flatten()
+    }
+}
+
+/// Simplified versions of one glTF mesh, for any object that has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeshLevelsJson {
+    /// glTF mesh of the originals.
+    pub mesh: u32,
+    /// Coarser and coarser.
+    pub levels: Vec<MeshLevelJson>,
+}
+
+/// One simplified version of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeshLevelJson {
+    /// glTF mesh that no node names.
+    pub mesh: u32,
+    /// Geometric error, metres of mesh space.
+    pub error: f64,
+}
+
+/// The proxies of a tree.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ProxiesJson {
+    /// Proxies hold only what is visible from outside of their spheres.
+    pub visible: bool,
+    /// Accessors of the tables.
+    pub tables: ProxyTables,
+}
+
+/// Accessor indices of the tables of proxies. All are required but [`Self::object`].
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProxyTables {
+    /// VEC4 FLOAT: sphere centre x, y, z and radius per proxy, in metres of tree space.
+    #[serde(rename = "PROXY_SPHERE")]
+    pub sphere: u32,
+    /// SCALAR unsigned integer: proxies in the subtree, itself included.
+    #[serde(rename = "PROXY_SUBTREE")]
+    pub subtree: u32,
+    /// SCALAR unsigned integer: first object, in proxy order, that it stands for.
+    #[serde(rename = "PROXY_FIRST_OBJECT")]
+    pub first_object: u32,
+    /// SCALAR unsigned integer: objects it stands for, contiguous in proxy order.
+    #[serde(rename = "PROXY_OBJECT_COUNT")]
+    pub object_count: u32,
+    /// SCALAR unsigned integer: for each place in proxy order the place in tree order. Absent: the same order.
+    #[serde(rename = "PROXY_OBJECT", default, skip_serializing_if = "Option::is_none")]
+    pub object: Option<u32>,
+    /// SCALAR FLOAT: geometric error, metres of tree space.
+    #[serde(rename = "PROXY_ERROR")]
+    pub error: u32,
+    /// SCALAR unsigned integer: glTF mesh.
+    #[serde(rename = "PROXY_MESH")]
+    pub mesh: u32,
+    /// VEC3 FLOAT: added to the mesh's positions, metres of tree space.
+    #[serde(rename = "PROXY_ORIGIN")]
+    pub origin: u32,
+}
+
+impl ProxyTables {
+    /// The accessors of all tables there are.
+    pub fn accessors(&self) -> impl Iterator<Item = u32> + '_ {
+        let all = [self.sphere, self.subtree, self.first_object, self.object_count];
+        all.into_iter().chain(self.object).chain([self.error, self.mesh, self.origin])
     }
 }
 

@@ -4,6 +4,7 @@ use crate::bounds::{Bounds, BoundsError};
 use crate::camera::Camera;
 use crate::cull::{Instance, shared_boxes};
 use crate::decode::Visibility;
+use crate::detail::DetailState;
 use crate::hits::{Hit, Hits};
 use crate::loose::Loose;
 use crate::query::Settings;
@@ -37,11 +38,14 @@ pub struct SceneCuller {
     pub(crate) pending: Vec<usize>,
     pub(crate) statistics: CullStatistics,
     pub(crate) within: Within,
+    pub(crate) detail: DetailState,
 }
 
 /// A tree at one of its anchors.
 #[derive(Debug)]
 pub(crate) struct Placed {
+    /// Its own index among all.
+    pub(crate) index: u32,
     pub(crate) tree: u32,
     pub(crate) anchor: u32,
     pub(crate) instance: Instance,
@@ -79,6 +83,7 @@ impl SceneCuller {
             starts.push(placed.len());
             for anchor in 0..tree.placement().count() {
                 placed.push(Placed {
+                    index: placed.len() as u32,
                     tree: index as u32,
                     anchor: anchor as u32,
                     instance: Instance::new(tree, boxes.clone()),
@@ -122,6 +127,7 @@ impl SceneCuller {
             pending,
             statistics: CullStatistics::default(),
             within,
+            detail: DetailState::default(),
         }
     }
 
@@ -164,6 +170,7 @@ impl SceneCuller {
     pub fn cull(&mut self, camera: &Camera, settings: &Settings) -> &[Draw] {
         self.draws.clear();
         self.within.forget();
+        self.detail.forget();
         let draws = &mut self.draws;
         let draw = |placed: &Placed, _: &Camera, object| {
             draws.push(Draw { tree: placed.tree, anchor: placed.anchor, object });

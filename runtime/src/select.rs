@@ -69,23 +69,28 @@ impl Selector {
 
     /// Chooses among the candidates.
     pub(crate) fn choose(&mut self, capacity: &Capacity<'_>) {
+        self.choose_after(Load::default(), capacity);
+    }
+
+    /// Chooses among the candidates where so much is drawn already.
+    pub(crate) fn choose_after(&mut self, spent: Load, capacity: &Capacity<'_>) {
         self.start();
-        let whole = load(&self.items, Load::default());
+        let whole = load(&self.items, spent);
         if capacity.fits(whole) {
             self.taken.fill(GREEDY);
             return;
         }
-        if !capacity.fits(Load::default()) {
+        if !capacity.fits(spent) {
             return;
         }
         let taken = &mut self.taken;
         let take = |item: &Item| taken[item.index as usize] |= GREEDY;
-        let greedy = fill(&mut self.items, capacity, Load::default(), Some(self.reserve), take);
+        let greedy = fill(&mut self.items, capacity, spent, Some(self.reserve), take);
         if greedy.value >= greedy.bound * GOOD_ENOUGH {
             return;
         }
         let left_out = |item: &&Item| self.taken[item.index as usize] == 0;
-        let fits_alone = |item: &&Item| capacity.fits(Load::default().plus(item.triangles));
+        let fits_alone = |item: &&Item| capacity.fits(spent.plus(item.triangles));
         let Some(first) = self
             .items
             .iter()
@@ -101,7 +106,7 @@ impl Selector {
         let taken = &mut self.taken;
         taken[first.index as usize] |= FORCED;
         let take = |item: &Item| taken[item.index as usize] |= FORCED;
-        let load = Load::default().plus(first.triangles);
+        let load = spent.plus(first.triangles);
         let forced = fill(&mut self.items[1..], capacity, load, Some(self.reserve), take);
         if f64::from(first.value) + forced.value > greedy.value {
             self.winner = FORCED;

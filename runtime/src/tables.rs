@@ -6,6 +6,8 @@
 use crate::directions::DirectionSet;
 use crate::encode::{importance_area, row_stride, unpack_level};
 use crate::error::TreeError;
+use crate::nesting::{self, Names, expect_length};
+use crate::proxies::{Proxies, ProxyTables};
 use crate::tree::{Fingerprint, Nested, Node, ObjectRow, Placement, Tree};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -39,6 +41,8 @@ pub struct TreeTables {
     pub importance_area: f64,
     /// Importance codes, for each object one per height up to its highest level.
     pub importance: Vec<u8>,
+    /// Meshes that stand for groups of objects.
+    pub proxies: Option<ProxyTables>,
     /// Objects that stand for other trees.
     pub nested: Vec<Nested>,
     /// Recommended quality, 0 to 1.
@@ -79,6 +83,7 @@ impl Tree {
         } else {
             object_rows(&tables, &nodes, directions.len(), stride)?
         };
+        let proxies = tables.proxies.map(|proxies| Proxies::new(proxies, tables.object_count)).transpose()?;
         let nested = sorted_nested(tables.nested, tables.object_count)?;
         let mut nested_counts = BTreeMap::new();
         nested.iter().for_each(|n| *nested_counts.entry(n.tree).or_insert(0) += 1);
@@ -93,16 +98,13 @@ impl Tree {
             rows: tables.level_row,
             importance: tables.importance,
             areas: (0..=255).map(|code| importance_area(code, tables.importance_area)).collect(),
+            proxies,
             nested,
             nested_counts,
             recommended_quality: tables.recommended_quality,
             fingerprint: tables.fingerprint,
         })
     }
-}
-
-fn expect_length(table: &'static str, found: usize, expected: u64) -> Result<(), TreeError> {
-    if found as u64 == expected { Ok(()) } else { Err(TreeError::TableLength { table, found, expected }) }
 }
 
 fn check_order(tables: &TreeTables) -> Result<(), TreeError> {
@@ -118,67 +120,32 @@ fn check_order(tables: &TreeTables) -> Result<(), TreeError> {
 
 /// Nodes whose subtrees and object ranges nest in depth-first order.
 fn nodes(tables: &TreeTables) -> Result<Vec<Node>, TreeError> {
-    /// An ancestor of the node being looked at.
-    struct Open {
-        /// One past its last node and its last object.
-        end: u32,
-        objects_end: u32,
-        /// Where the objects of its next child must begin; for its first child, at or after.
-        next_object: u32,
-        has_child: bool,
-        node: usize,
-    }
-    let count = tables.node_sphere.len();
-    expect_length("NODE_SUBTREE", tables.node_subtree.len(), count as u64)?;
-    expect_length("NODE_FIRST_OBJECT", tables.node_first_object.len(), count as u64)?;
-    expect_length("NODE_OBJECT_COUNT", tables.node_object_count.len(), count as u64)?;
-    let Ok(end) = u32::try_from(count) else { return Err(TreeError::Subtree { node: 0 }) };
-    // Objects of no node may lie between roots, so the outermost level is as if it had no child yet.
-    let mut open =
-        vec![Open { end, objects_end: tables.object_count, next_object: 0, has_child: false, node: count }];
-    // Children must use up their parent's objects.
-    let close = |done: &Open| {
-        if done.has_child && done.next_object != done.objects_end {
-            Err(TreeError::ObjectRange { node: done.node })
-        } else {
-            Ok(())
-        }
+    const NAMES: Names = Names {
+        subtree: "NODE_SUBTREE",
+        first_object: "NODE_FIRST_OBJECT",
+        object_count: "NODE_OBJECT_COUNT",
     };
-    let mut nodes = Vec::with_capacity(count);
-    for node in 0..count {
-        while open.len() > 1 && open[open.len() - 1].end == node as u32 {
-            if let Some(done) = open.pop() {
-                close(&done)?;
-            }
-        }
-        let depth = open.len() as u32 - 1;
-        let Some(parent) = open.last_mut() else { return Err(TreeError::Subtree { node }) };
-        let [x, y, z, radius] = tables.node_sphere[node];
-        let center = Vec3::new(x, y, z);
-        if !(center.is_finite() && radius.is_finite() && radius >= 0.0) {
-            return Err(TreeError::Sphere { node });
-        }
-        let subtree = tables.node_subtree[node];
-        let node_end = (node as u32).checked_add(subtree).filter(|&e| subtree > 0 && e <= parent.end);
-        let node_end = node_end.ok_or(TreeError::Subtree { node })?;
-        let (first_object, object_count) = (tables.node_first_object[node], tables.node_object_count[node]);
-        let objects_end = first_object.checked_add(object_count).filter(|&e| e <= parent.objects_end);
-        let objects_end = objects_end.ok_or(TreeError::ObjectRange { node })?;
-        let in_order = if parent.has_child {
-            first_object == parent.next_object
-        } else {
-            first_object >= parent.next_object
-        };
-        if !in_order {
-            return Err(TreeError::ObjectRange { node });
-        }
-        parent.has_child = depth > 0;
-        parent.next_object = objects_end;
-        nodes.push(Node { center, radius, subtree, first_object, object_count, depth });
-        open.push(Open { end: node_end, objects_end, next_object: first_object, has_child: false, node });
+    let ranges = [&*tables.node_subtree, &tables.node_first_object, &tables.node_object_count];
+    let depths = nesting::depths(tables.node_sphere.len(), &NAMES, ranges, tables.object_count)?;
+    let mut nodes = Vec::with_capacity(depths.len());
+    for (node, depth) in depths.into_iter().enumerate() {
+        let (center, radius) = sphere(tables.node_sphere[node]).ok_or(TreeError::Sphere { node })?;
+        nodes.push(Node {
+            center,
+            radius,
+            subtree: tables.node_subtree[node],
+            first_object: tables.node_first_object[node],
+            object_count: tables.node_object_count[node],
+            depth,
+        });
     }
-    open.iter().try_for_each(close)?;
     Ok(nodes)
+}
+
+/// Centre and radius, if they are finite and the radius is not negative.
+pub(crate) fn sphere([x, y, z, radius]: [f32; 4]) -> Option<(Vec3, f32)> {
+    let center = Vec3::new(x, y, z);
+    (center.is_finite() && radius.is_finite() && radius >= 0.0).then_some((center, radius))
 }
 
 fn object_rows(

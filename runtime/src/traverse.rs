@@ -34,11 +34,13 @@ impl std::ops::AddAssign for CullStatistics {
     }
 }
 
-/// Objects hidden at run time, and per node how many disturbances there are below it.
+/// Objects hidden at run time, and per node and per proxy how many disturbances there are below it.
 #[derive(Clone, Debug)]
 pub(crate) struct Hidden {
     pub(crate) objects: Vec<bool>,
     pub(crate) below: Vec<u32>,
+    /// The same per proxy.
+    pub(crate) below_proxies: Vec<u32>,
 }
 
 /// Everything a pass reads.

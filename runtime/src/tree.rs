@@ -2,6 +2,7 @@
 
 use crate::directions::DirectionSet;
 use crate::encode;
+use crate::proxies::Proxies;
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -21,6 +22,7 @@ pub struct Tree {
     pub(crate) importance: Vec<u8>,
     /// Area in m² for each importance code.
     pub(crate) areas: Vec<f64>,
+    pub(crate) proxies: Option<Proxies>,
     pub(crate) nested: Vec<Nested>,
     /// Entries of `nested` per other tree.
     pub(crate) nested_counts: BTreeMap<u32, usize>,
@@ -177,6 +179,11 @@ impl Tree {
             Some(o) if (1..=u32::from(o.max_level)).contains(&height) => self.area(o, height) as f32,
             _ => 0.0,
         }
+    }
+
+    /// Meshes that stand for groups of objects.
+    pub fn proxies(&self) -> Option<&Proxies> {
+        self.proxies.as_ref()
     }
 
     /// Objects that stand for other trees, by place.

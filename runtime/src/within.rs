@@ -17,33 +17,39 @@ use std::cell::Cell;
 pub(crate) struct Within {
     /// Per tree, per object; empty where they are not known.
     triangles: Vec<Vec<u32>>,
-    hits: Hits<Measured>,
-    candidates: Vec<Candidate>,
-    selector: Selector,
+    pub(crate) hits: Hits<Measured>,
+    pub(crate) candidates: Vec<Candidate>,
+    pub(crate) selector: Selector,
     /// What was chosen in the last frame, ascending.
     chosen: Vec<Key>,
     /// Where the eye was then, in world space.
-    eye: DVec3,
-    hysteresis: f64,
+    pub(crate) eye: DVec3,
+    pub(crate) hysteresis: f64,
     /// `None` if the last frame had no budget and dropped nothing for its size: it is then counted when asked for.
-    selection: Option<Selection>,
+    pub(crate) selection: Option<Selection>,
 }
 
+/// Something that culling answered.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
-    draw: Draw,
-    key: Key,
-    estimate: Estimate,
+pub(crate) struct Candidate {
+    pub(crate) draw: Draw,
+    pub(crate) key: Key,
+    pub(crate) estimate: Estimate,
     /// The eye has hardly moved against it since the last frame.
-    still: bool,
-    triangles: u32,
+    pub(crate) still: bool,
+    pub(crate) triangles: u32,
 }
 
 /// Rank of the tree at its anchor (loose objects come last) and place in it: ascending as things are drawn.
-type Key = (u32, u32);
+pub(crate) type Key = (u32, u32);
 
 /// How much more an object counts that was drawn in the last frame.
 const HYSTERESIS: f64 = 1.25;
+
+/// The eye has hardly moved against something `to_eye` away since the last frame: by `way`, squared.
+pub(crate) fn is_still(to_eye: DVec3, way: f64) -> bool {
+    way < MOST_PARALLAX_SQUARED * to_eye.length_squared() || way == 0.0
+}
 
 /// Squared parallax of an object between two frames (the way of the eye over its distance) from which on it counts no
 /// more than others: about 6 degrees. The eye has jumped then, and there is nothing to hold on to.
@@ -71,6 +77,12 @@ impl Within {
     pub(crate) fn forget(&mut self) {
         self.chosen.clear();
         self.selection = None;
+    }
+
+    /// Another pass has chosen: what was chosen here is not what was drawn last.
+    pub(crate) fn replace(&mut self, selection: Selection) {
+        self.chosen.clear();
+        self.selection = Some(selection);
     }
 
     fn triangles_of(&self, tree: u32, object: u32) -> u32 {
@@ -105,6 +117,7 @@ impl SceneCuller {
     pub fn set_loose(&mut self, bounds: &[Bounds], triangles: &[u32]) -> Result<(), BoundsError> {
         self.loose = Loose::new(bounds, triangles)?;
         self.within.forget();
+        self.detail.forget();
         self.draws.clear();
         Ok(())
     }
@@ -138,7 +151,8 @@ impl SceneCuller {
             Budget::Milliseconds(most, model) => (Some(Capacity::Milliseconds(most, model)), false),
             Budget::StopAtFirstMisfit(most) => (Some(Capacity::Triangles(most)), true),
         };
-        self.collect(camera, settings);
+        self.detail.forget();
+        self.collect(camera, settings, |_, _, _| ());
         let within = &mut self.within;
         let mut selection = Selection {
             candidates: within.candidates.len(),
@@ -207,8 +221,14 @@ impl SceneCuller {
         })
     }
 
-    /// All that culling answers, with estimates.
-    fn collect(&mut self, camera: &Camera, settings: &Settings) {
+    /// All that culling answers, with estimates. `enter` gets each tree that is walked, at its place, with the camera in its
+    /// space and how far the eye has moved there since the last frame, squared.
+    pub(crate) fn collect(
+        &mut self,
+        camera: &Camera,
+        settings: &Settings,
+        mut entered: impl FnMut(&Placed, &Camera, f64),
+    ) {
         let mut candidates = std::mem::take(&mut self.within.candidates);
         let mut hits = std::mem::take(&mut self.within.hits);
         candidates.clear();
@@ -218,10 +238,11 @@ impl SceneCuller {
         let way = Cell::new(0.0);
         let enter = |placed: &Placed, local: &Camera| {
             way.set((placed.to_world.inverse().transform_point3(before) - local.eye()).length_squared());
+            entered(placed, local, way.get());
         };
         let is_still = |bounds: &Bounds, eye: DVec3, way: f64| {
             let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) * 0.5;
-            way < MOST_PARALLAX_SQUARED * (middle - eye).length_squared() || way == 0.0
+            self::is_still(eye - middle, way)
         };
         let draw = |placed: &Placed, local: &Camera, hit: Measured| {
             candidates.push(Candidate {

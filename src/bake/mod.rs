@@ -187,6 +187,7 @@ fn attach(
             level_bits: encoded.level_bits,
             importance_area: encoded.importance_area,
             tables: semantics,
+            proxies: None,
             nested: Vec::new(),
             recommended: None,
             fingerprint: Some(encoded.fingerprint.clone()),
@@ -196,6 +197,7 @@ fn attach(
         version: VERSION.to_owned(),
         generator: Some(concat!("svs ", env!("CARGO_PKG_VERSION")).to_owned()),
         trees,
+        mesh_levels: Vec::new(),
         extras: None,
     };
     let mut json = serde_json::to_value(&extension)

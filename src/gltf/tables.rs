@@ -52,7 +52,7 @@ impl<'a> DocumentTables<'a> {
     /// misses.
     pub fn of_extension(doc: &'a Document, extension: &Extension) -> Self {
         let mut tables = Self::new(doc);
-        for index in extension.trees.iter().flat_map(|tree| tree.tables.accessors()) {
+        for index in extension.trees.iter().flat_map(|tree| tree.accessors()) {
             // The error comes again, in the decoder's words.
             let _ = tables.read(index as usize);
         }

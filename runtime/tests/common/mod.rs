@@ -104,6 +104,7 @@ pub(crate) fn sample(seed: u64, all_visible: bool) -> Sample {
         level_row_index: None,
         importance_area: 4.0,
         importance: Vec::new(),
+        proxies: None,
         nested: Vec::new(),
         recommended_quality: Some(0.5),
         fingerprint: None,

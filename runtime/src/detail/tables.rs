@@ -1,0 +1,100 @@
+//! What the engine tells of proxies and levels.
+
+use crate::bounds::BoundsError;
+use crate::mesh_levels::MOST_LEVELS;
+use crate::scene::SceneCuller;
+
+/// One simplified version of an object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// Triangles.
+    pub triangles: u32,
+    /// Geometric error, metres of tree space: that of [`crate::MeshLevel`] times the largest singular value of the linear
+    /// part of the object's transform in its tree.
+    pub error: f32,
+}
+
+/// Of all trees.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tables {
+    /// Per tree, per proxy; empty where they are not known.
+    proxies: Vec<Vec<u32>>,
+    /// Per tree: where each object's levels start, and one more; empty without levels.
+    levels: Vec<(Vec<u32>, Vec<Level>)>,
+}
+
+impl Tables {
+    pub(crate) fn proxy_triangles(&self, tree: u32, node: u32) -> u32 {
+        self.proxies.get(tree as usize).and_then(|counts| counts.get(node as usize)).copied().unwrap_or(1)
+    }
+
+    /// First of an object's levels, and how many have fewer triangles than the original up to the coarsest.
+    pub(crate) fn levels(&self, tree: u32, object: u32, original: u32) -> (u32, u8) {
+        let Some((starts, levels)) = self.levels.get(tree as usize) else { return (0, 0) };
+        let (Some(&first), Some(&end)) = (starts.get(object as usize), starts.get(object as usize + 1))
+        else {
+            return (0, 0);
+        };
+        // Triangles never rise with the level: the coarsest has the fewest.
+        let some = first < end && levels[end as usize - 1].triangles < original;
+        if some { (first, (end - first) as u8) } else { (0, 0) }
+    }
+
+    /// `level` from 1, of an object whose first level is at `first`.
+    pub(crate) fn level(&self, tree: u32, first: u32, level: u8) -> &Level {
+        &self.levels[tree as usize].1[first as usize + usize::from(level) - 1]
+    }
+}
+
+impl SceneCuller {
+    /// Triangles of each proxy of a tree, in the order of [`crate::Proxies::nodes`]. Until they are known, each counts as
+    /// one triangle.
+    ///
+    /// # Errors
+    /// [`BoundsError`] if there is no such tree or there is not one count per proxy.
+    pub fn set_proxy_triangles(&mut self, tree: u32, triangles: &[u32]) -> Result<(), BoundsError> {
+        let index = tree as usize;
+        let placed = self.find(tree, 0).ok_or(BoundsError::NoTree { tree: index })?;
+        let proxies = self.placed[placed].instance.tree.proxies();
+        let (found, expected) = (triangles.len(), proxies.map_or(0, |proxies| proxies.nodes().len()));
+        if found != expected {
+            return Err(BoundsError::ProxyTriangles { tree: index, found, expected });
+        }
+        let all = &mut self.detail.tables.proxies;
+        all.resize(all.len().max(index + 1), Vec::new());
+        all[index] = triangles.to_vec();
+        Ok(())
+    }
+
+    /// Simplified versions of a tree's objects: those of the object at place `k` in tree order are
+    /// `levels[starts[k]..starts[k + 1]]`, coarser and coarser, the original not included.
+    ///
+    /// # Errors
+    /// [`BoundsError`] if there is no such tree, `starts` is not ascending from 0 to the number of levels with one entry per
+    /// object and one more, or an object has more than 64 levels, or errors that are not finite or fall, or triangles that
+    /// rise from one level to the next.
+    pub fn set_levels(&mut self, tree: u32, starts: &[u32], levels: &[Level]) -> Result<(), BoundsError> {
+        let index = tree as usize;
+        let placed = self.find(tree, 0).ok_or(BoundsError::NoTree { tree: index })?;
+        let objects = self.placed[placed].instance.tree.object_count();
+        let whole =
+            starts.first() == Some(&0) && starts.last().is_some_and(|&end| end as usize == levels.len());
+        if starts.len() != objects + 1 || !whole {
+            return Err(BoundsError::LevelStarts { tree: index });
+        }
+        for (object, range) in starts.windows(2).enumerate() {
+            let of_object = levels.get(range[0] as usize..range[1] as usize);
+            let of_object = of_object.ok_or(BoundsError::LevelStarts { tree: index })?;
+            let finite = of_object.iter().all(|level| level.error.is_finite() && level.error >= 0.0);
+            let coarser =
+                |pair: &[Level]| pair[1].error >= pair[0].error && pair[1].triangles <= pair[0].triangles;
+            if of_object.len() > MOST_LEVELS || !finite || !of_object.windows(2).all(coarser) {
+                return Err(BoundsError::Levels { tree: index, object });
+            }
+        }
+        let all = &mut self.detail.tables.levels;
+        all.resize(all.len().max(index + 1), Default::default());
+        all[index] = (starts.to_vec(), levels.to_vec());
+        Ok(())
+    }
+}
