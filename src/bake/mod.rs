@@ -101,10 +101,8 @@ pub fn build(
 
     let mut proxies = ProxyBake::default();
     if options.proxies.mode != ProxyMode::Off && !baked.is_empty() {
-        let trees: Vec<ProxyTree<'_>> = baked
-            .iter()
-            .map(|b| ProxyTree { subject: &b.subject, order: &b.tree.hierarchy.order })
-            .collect();
+        let trees: Vec<ProxyTree<'_>> =
+            baked.iter().map(|b| ProxyTree { subject: &b.subject, order: &b.tree.hierarchy.order }).collect();
         proxies = proxies::bake(doc, &scene, &trees, geometry_bytes, &options.proxies, &clock)?;
     }
 

@@ -100,7 +100,9 @@ fn batches(tree: &ProxyHierarchy) -> Vec<Vec<u32>> {
 fn below(subject: &Subject, tree: &ProxyHierarchy) -> Vec<u64> {
     let triangles = |node: &HierarchyNode| {
         let places = node.members.clone();
-        places.map(|place| u64::from(subject.members[tree.hierarchy.order[place as usize] as usize].triangles)).sum()
+        places
+            .map(|place| u64::from(subject.members[tree.hierarchy.order[place as usize] as usize].triangles))
+            .sum()
     };
     tree.hierarchy.nodes.par_iter().map(triangles).collect()
 }
@@ -178,17 +180,17 @@ impl Maker<'_> {
     fn coarser(&self, node: usize, levels: &[ProxyGeometry]) -> Option<ProxyGeometry> {
         let last = levels.last()?;
         let is_root = self.tree.hierarchy.nodes[node].parent.is_none();
-        let is_small = if is_root {
-            last.triangles as f64 <= ROOT_SHARE * self.all as f64 && levels.len() > 1
-        } else {
-            levels.len() > 1
-        };
+        let floor = if is_root { (ROOT_SHARE * self.all as f64) as usize } else { LEAST_TRIANGLES };
         let target = last.triangles / LEVEL_PART;
-        if is_small || target < if is_root { 1 } else { LEAST_TRIANGLES } {
+        // The root goes on until its coarsest level is a small share of the scene, other nodes have one level more.
+        let is_enough = if is_root { last.triangles <= floor } else { levels.len() > 1 || target < floor };
+        let target = target.max(floor);
+        if is_enough || target == 0 {
             return None;
         }
         let options = NodeOptions { target_triangles: target, visible_only: false, ..NodeOptions::default() };
-        let coarser = simplify_node(&[Part::Proxy { geometry: last, origin: DVec3::ZERO }], self.palette, &options);
+        let coarser =
+            simplify_node(&[Part::Proxy { geometry: last, origin: DVec3::ZERO }], self.palette, &options);
         (coarser.triangles > 0 && coarser.triangles * 3 <= last.triangles * 2).then_some(coarser)
     }
 

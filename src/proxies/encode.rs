@@ -83,7 +83,11 @@ impl Encoder {
         }
         if triangles.colors.len() == count && triangles.colors.iter().any(|&color| color != [255; 4]) {
             let bytes = triangles.colors.iter().flatten().copied();
-            let index = self.add(COLORS, bytes, json!({"componentType": 5121, "normalized": true, "count": count, "type": "VEC4"}));
+            let index = self.add(
+                COLORS,
+                bytes,
+                json!({"componentType": 5121, "normalized": true, "count": count, "type": "VEC4"}),
+            );
             attributes.insert("COLOR_0".into(), index.into());
         }
         if triangles.uvs.len() == count {
@@ -93,7 +97,11 @@ impl Encoder {
         // The largest value of a component type would restart a strip.
         let index = if count <= 0xFFFF {
             let bytes = indices.iter().flat_map(|&v| (v as u16).to_le_bytes());
-            self.add(SHORT_INDICES, bytes, json!({"componentType": 5123, "count": indices.len(), "type": "SCALAR"}))
+            self.add(
+                SHORT_INDICES,
+                bytes,
+                json!({"componentType": 5123, "count": indices.len(), "type": "SCALAR"}),
+            )
         } else {
             let bytes = indices.iter().flat_map(|&v| v.to_le_bytes());
             self.add(INDICES, bytes, json!({"componentType": 5125, "count": indices.len(), "type": "SCALAR"}))
@@ -116,7 +124,8 @@ impl Encoder {
         let number = |&value: &f32| Number::from_f64(f64::from(value)).map_or(Value::Null, Value::Number);
         let [min, max] = bounds.map(|corner| corner.iter().map(number).collect::<Vec<_>>());
         let bytes = positions.iter().flatten().flat_map(|v| v.to_le_bytes());
-        let json = json!({"componentType": 5126, "count": positions.len(), "type": "VEC3", "min": min, "max": max});
+        let json =
+            json!({"componentType": 5126, "count": positions.len(), "type": "VEC3", "min": min, "max": max});
         self.add(POSITIONS, bytes, json)
     }
 
@@ -226,7 +235,12 @@ mod tests {
     #[test]
     fn floats() {
         let additions = triangle(ProxyFormat::Float);
-        assert_eq!(additions.meshes, [json!({"primitives": [{"attributes": {"POSITION": 10, "NORMAL": 11, "TEXCOORD_0": 12}, "indices": 13, "material": 4}]})]);
+        assert_eq!(
+            additions.meshes,
+            [
+                json!({"primitives": [{"attributes": {"POSITION": 10, "NORMAL": 11, "TEXCOORD_0": 12}, "indices": 13, "material": 4}]})
+            ]
+        );
         assert_eq!(additions.accessors[0]["max"], json!([1.0, 1.0, 0.0]));
         assert_eq!(additions.views.len(), 4, "white vertices need no colours");
         assert_eq!(additions.accessors[3]["bufferView"], 3);

@@ -37,17 +37,47 @@ struct Builder<'a> {
     subject: &'a Subject,
     /// Members that are drawn at all.
     drawn: &'a [bool],
-    /// Triangles of originals below a leaf, about.
+    /// Copies of groups with fewer triangles are not looked for.
     triangles: u64,
     nodes: Vec<Sketch>,
 }
 
-/// Builds the nodes: leaves stand for about `triangles` triangles of originals. Members that are not `drawn` stay outside.
-pub(super) fn build(subject: &Subject, drawn: &[bool], triangles: u32) -> ProxyHierarchy {
-    let triangles = u64::from(triangles.max(1));
-    let mut builder = Builder { subject, drawn, triangles, nodes: Vec::new() };
+/// The nodes before they are cut.
+#[derive(Debug)]
+pub(super) struct Uncut<'a> {
+    builder: Builder<'a>,
+    root: u32,
+    /// Triangles of the originals, those of copies counted once.
+    pub(super) distinct: u64,
+}
+
+/// Builds the nodes over members that are `drawn`; the others stay outside. Copies of groups with at least `triangles`
+/// triangles share their nodes.
+pub(super) fn build<'a>(subject: &'a Subject, drawn: &'a [bool], triangles: u32) -> Uncut<'a> {
+    let mut builder = Builder { subject, drawn, triangles: u64::from(triangles.max(1)), nodes: Vec::new() };
     let root = builder.set(0..subject.members.len() as u32, DEEPEST);
-    builder.finish(root)
+    let distinct = builder.count(root);
+    Uncut { builder, root, distinct }
+}
+
+impl Uncut<'_> {
+    /// The tree whose leaves stand for about `triangles` triangles of originals.
+    pub(super) fn cut(&self, triangles: u64) -> ProxyHierarchy {
+        let builder = &self.builder;
+        let mut out = ProxyHierarchy::default();
+        let mut is_inside = vec![false; builder.subject.members.len()];
+        for node in builder.preorder(self.root) {
+            for &member in &builder.nodes[node as usize].direct {
+                is_inside[member as usize] = true;
+            }
+        }
+        out.hierarchy.order = (0..is_inside.len() as u32).filter(|&m| !is_inside[m as usize]).collect();
+        if builder.nodes[self.root as usize].triangles > 0 {
+            let mut places = vec![u32::MAX; builder.nodes.len()];
+            builder.emit(self.root, None, triangles.max(1), &mut places, &mut out);
+        }
+        out
+    }
 }
 
 impl Builder<'_> {
@@ -141,30 +171,20 @@ impl Builder<'_> {
         index
     }
 
-    /// Cuts the tree and puts it in depth-first order.
-    fn finish(mut self, root: u32) -> ProxyHierarchy {
-        let preorder = self.preorder(root);
-        for &node in preorder.iter().rev() {
+    /// Counts the triangles below each node; returns those of the root, copies counted once.
+    fn count(&mut self, root: u32) -> u64 {
+        let mut distinct = 0;
+        for &node in self.preorder(root).iter().rev() {
             let own = &self.nodes[node as usize];
             let direct = own.direct.iter().map(|&m| u64::from(self.subject.members[m as usize].triangles));
+            let direct: u64 = direct.sum();
             let below = own.children.iter().map(|&child| self.nodes[child as usize].triangles);
-            self.nodes[node as usize].triangles = direct.sum::<u64>() + below.sum::<u64>();
-        }
-        let mut out = ProxyHierarchy::default();
-        let mut is_inside = vec![false; self.subject.members.len()];
-        for &node in &preorder {
-            for &member in &self.nodes[node as usize].direct {
-                is_inside[member as usize] = true;
+            if own.original.is_none() {
+                distinct += direct;
             }
+            self.nodes[node as usize].triangles = direct + below.sum::<u64>();
         }
-        let outside = (0..self.subject.members.len() as u32).filter(|&m| !is_inside[m as usize]);
-        out.hierarchy.order = outside.collect();
-        if self.nodes[root as usize].triangles == 0 {
-            return out;
-        }
-        let mut places = vec![u32::MAX; self.nodes.len()];
-        self.emit(root, None, &mut places, &mut out);
-        out
+        distinct
     }
 
     fn preorder(&self, root: u32) -> Vec<u32> {
@@ -178,20 +198,28 @@ impl Builder<'_> {
     }
 
     /// Depth is bounded by [`hierarchy::MAX_DEPTH`] for each of at most [`DEEPEST`] sets in one another.
-    fn emit(&self, node: u32, parent: Option<u32>, places: &mut [u32], out: &mut ProxyHierarchy) {
+    fn emit(
+        &self,
+        node: u32,
+        parent: Option<u32>,
+        triangles: u64,
+        places: &mut [u32],
+        out: &mut ProxyHierarchy,
+    ) {
         let index = out.hierarchy.nodes.len() as u32;
-        places[node as usize] = index;
         let start = out.hierarchy.order.len() as u32;
         out.hierarchy.nodes.push(HierarchyNode { parent, subtree: 0, members: start..start });
-        let original = self.nodes[node as usize].original.map_or(index, |first| places[first as usize]);
-        out.original.push(original.min(index));
+        // The first that is left of an original and its copies stands for them.
+        let first = &mut places[self.nodes[node as usize].original.unwrap_or(node) as usize];
+        *first = (*first).min(index);
+        out.original.push(*first);
         let mut direct = Vec::new();
         let mut children = Vec::new();
-        self.split(node, &mut direct, &mut children);
+        self.split(node, triangles, &mut direct, &mut children);
         direct.sort_unstable();
         out.hierarchy.order.extend(direct);
         for child in children {
-            self.emit(child, Some(index), places, out);
+            self.emit(child, Some(index), triangles, places, out);
         }
         let (nodes, places) = (out.hierarchy.nodes.len() as u32, out.hierarchy.order.len() as u32);
         let own = &mut out.hierarchy.nodes[index as usize];
@@ -200,12 +228,12 @@ impl Builder<'_> {
     }
 
     /// What hangs on a node once it is cut: its own members with those of small nodes, and the nodes that stay.
-    fn split(&self, node: u32, direct: &mut Vec<u32>, children: &mut Vec<u32>) {
+    fn split(&self, node: u32, triangles: u64, direct: &mut Vec<u32>, children: &mut Vec<u32>) {
         let own = &self.nodes[node as usize];
         direct.extend(&own.direct);
-        let is_leaf = own.triangles <= self.triangles;
+        let is_leaf = own.triangles <= triangles;
         for &child in &own.children {
-            if is_leaf || self.nodes[child as usize].triangles < self.triangles.div_ceil(SMALLEST) {
+            if is_leaf || self.nodes[child as usize].triangles < triangles.div_ceil(SMALLEST) {
                 for below in self.preorder(child) {
                     direct.extend(&self.nodes[below as usize].direct);
                 }

@@ -140,7 +140,10 @@ impl<'a> Materials<'a> {
         let brightest = material.emissive.iter().copied().fold(0.0f32, f32::max);
         if brightest > 0.0 {
             let strength = brightest.max(1.0);
-            json.insert("emissiveFactor".into(), numbers(&material.emissive.map(|c| (c / strength).clamp(0.0, 1.0))));
+            json.insert(
+                "emissiveFactor".into(),
+                numbers(&material.emissive.map(|c| (c / strength).clamp(0.0, 1.0))),
+            );
             if strength > 1.0 {
                 self.strong = true;
                 extensions.insert(
@@ -148,7 +151,9 @@ impl<'a> Materials<'a> {
                     json!({"emissiveStrength": number(strength)}),
                 );
             }
-            if let Some(texture) = texture(&["/emissiveTexture"]).filter(|_| material.emissive_texture.is_some()) {
+            if let Some(texture) =
+                texture(&["/emissiveTexture"]).filter(|_| material.emissive_texture.is_some())
+            {
                 json.insert("emissiveTexture".into(), texture);
             }
         }

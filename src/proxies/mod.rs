@@ -21,7 +21,8 @@ mod tables;
 mod tests;
 
 pub use options::{
-    DEFAULT_ERROR_PIXELS, DEFAULT_SHARE, DEFAULT_TRIANGLES, ProxyFormat, ProxyMode, ProxyOptions, SCREEN_LINES,
+    DEFAULT_ERROR_PIXELS, DEFAULT_SHARE, DEFAULT_TRIANGLES, ProxyFormat, ProxyMode, ProxyOptions,
+    SCREEN_LINES,
 };
 pub use report::{ProxyLevelReport, ProxyReport};
 
@@ -42,9 +43,9 @@ use materials::Materials;
 use mesh_levels::Simplified;
 use pieces::Piece;
 use rayon::prelude::*;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::time::Instant;
-use serde_json::{Value, json};
 use tables::{Row, Rows};
 
 /// A tree that may get proxies.
@@ -78,6 +79,12 @@ const TABLES_JSON: u64 = 1_000;
 /// A tree below this many times [`ProxyOptions::triangles`] is drawn faster than it is thought about.
 const LEAST_TREE: u64 = 2;
 
+/// What a triangle of a proxy takes, about, JSON counted.
+const TRIANGLE_BYTES: f64 = 34.0;
+
+/// Leaves are made for this many times the bytes that there are, since not all of them are worth theirs.
+const MADE_SHARE: f64 = 2.0;
+
 /// The real size is found out by writing: so often at most is the choice corrected.
 const CORRECTIONS: u32 = 6;
 
@@ -94,18 +101,28 @@ pub fn bake(
     progress: &dyn Progress,
 ) -> Result<ProxyBake, AppearanceError> {
     let start = Instant::now();
+    let limit = (geometry_bytes as f64 * options.share.max(0.0)) as u64;
     progress.stage("looks", None);
     let looks = appearance::read(document, scene)?;
     let palette = Palette::new(&looks.data.materials, &looks.data.images);
     let mut made = Made { trees: Vec::new(), meshes: Vec::new(), without: Vec::new() };
     for (index, tree) in trees.iter().enumerate() {
-        made.trees.push(make_tree(index, tree, scene, &looks, &palette, options, progress, &mut made.without));
+        made.trees.push(make_tree(
+            index,
+            tree,
+            scene,
+            &looks,
+            &palette,
+            options,
+            limit,
+            progress,
+            &mut made.without,
+        ));
     }
     progress.stage("mesh levels", None);
     made.meshes = mesh_levels::simplify(scene, trees, &looks.data.meshes, u64::from(options.triangles));
 
     progress.stage("proxies written", None);
-    let limit = (geometry_bytes as f64 * options.share.max(0.0)) as u64;
     let mut allowed = limit;
     let mut result = ProxyBake::default();
     for _ in 0..CORRECTIONS {
@@ -148,6 +165,7 @@ fn make_tree(
     looks: &Appearance,
     palette: &Palette,
     options: &ProxyOptions,
+    limit: u64,
     progress: &dyn Progress,
     without: &mut Vec<String>,
 ) -> Option<MadeTree> {
@@ -164,14 +182,22 @@ fn make_tree(
         without.push(format!("tree {index}: {triangles} triangles are few enough without proxies"));
         return None;
     }
-    let hierarchy = hierarchy::build(subject, &drawn, options.triangles);
+    let uncut = hierarchy::build(subject, &drawn, options.triangles);
+    let hierarchy = uncut.cut(leaf_triangles(uncut.distinct, limit, options));
     let spheres =
         spheres(SphereKind::Tight, &hierarchy.hierarchy, &subject.members, &subject.parts, &scene.meshes);
-    let originals = hierarchy.original.iter().enumerate().filter(|(node, original)| *node as u32 == **original);
+    let originals =
+        hierarchy.original.iter().enumerate().filter(|(node, original)| *node as u32 == **original);
     progress.stage("proxies", Some(originals.count() as u64));
-    let built =
-        build::build(subject, &looks.data.meshes, palette, &hierarchy, &spheres, options, progress);
+    let built = build::build(subject, &looks.data.meshes, palette, &hierarchy, &spheres, options, progress);
     Some(MadeTree { hierarchy, spheres, built })
+}
+
+/// Triangles that leaves stand for: as asked for, or more where there are not the bytes for so many proxies anyway.
+fn leaf_triangles(distinct: u64, limit: u64, options: &ProxyOptions) -> u64 {
+    let proxy = f64::from(options.triangles) / 2.0 * TRIANGLE_BYTES;
+    let affordable = (limit as f64 * MADE_SHARE / proxy).max(1.0);
+    u64::from(options.triangles).max((distinct as f64 / affordable) as u64)
 }
 
 /// Levels to store: of each original node by tree, and of each simplified mesh.
@@ -196,8 +222,11 @@ impl Made {
             }
             for (node, levels) in built.levels.iter().enumerate().filter(|(node, _)| uses[*node] > 0) {
                 for (level, geometry) in levels.iter().enumerate() {
-                    let size: u64 =
-                        geometry.classes.iter().map(|mesh| encode::size(&of_class(mesh, None), options.format)).sum();
+                    let size: u64 = geometry
+                        .classes
+                        .iter()
+                        .map(|mesh| encode::size(&of_class(mesh, None), options.format))
+                        .sum();
                     pieces.push(Piece {
                         bytes: size + uses[node] * ROW_BYTES,
                         replaced: built.below[node] * uses[node],
@@ -267,7 +296,8 @@ impl Made {
             }
             bake.trees.push(encoded);
         }
-        for (simplified, kept) in self.meshes.iter().zip(&chosen.meshes).filter(|(_, kept)| !kept.is_empty()) {
+        for (simplified, kept) in self.meshes.iter().zip(&chosen.meshes).filter(|(_, kept)| !kept.is_empty())
+        {
             let mut levels = Vec::new();
             for &level in kept {
                 let level = &simplified.levels[level];

@@ -57,7 +57,9 @@ pub(super) fn find(subject: &Subject, drawn: &[bool], within: Range<u32>, triang
     let mut end = within.start;
     let mut covered = 0;
     for (range, kind) in ranges.iter().zip(kind_of) {
-        let Some(kind) = kind.filter(|&kind| counts[kind as usize] > 1 && range.start >= end) else { continue };
+        let Some(kind) = kind.filter(|&kind| counts[kind as usize] > 1 && range.start >= end) else {
+            continue;
+        };
         end = range.end;
         covered += sums[range.end as usize] - sums[range.start as usize];
         copies.push((range.clone(), kind));

@@ -273,11 +273,8 @@ fn record_empty_containers(
         "extensionsRequired" => additions.extensions.iter().any(|(_, required)| *required),
         _ => true,
     };
-    let empty: Vec<Value> = CONTAINERS
-        .iter()
-        .filter(|key| is_touched(key) && is_empty(key))
-        .map(|&key| key.into())
-        .collect();
+    let empty: Vec<Value> =
+        CONTAINERS.iter().filter(|key| is_touched(key) && is_empty(key)).map(|&key| key.into()).collect();
     if !empty.is_empty() {
         before.insert("empty".into(), empty.into());
     }

@@ -140,7 +140,9 @@ impl Own {
         let all_meshes = json::array(root, "meshes");
         let meshes = trailing(&meshes_of(document, extension)?, all_meshes.len())?;
         let names_mesh = |node: &Value| {
-            node.get("mesh").and_then(json::index).is_some_and(|mesh| (meshes..all_meshes.len()).contains(&mesh))
+            node.get("mesh")
+                .and_then(json::index)
+                .is_some_and(|mesh| (meshes..all_meshes.len()).contains(&mesh))
         };
         if json::array(root, "nodes").iter().any(names_mesh) {
             return None;
@@ -157,7 +159,10 @@ impl Own {
         let first_view = trailing(&views?, all_views)?;
         let mentions = |accessor: &Value| (first_view..all_views).any(|view| mentions_view(accessor, view));
         let in_view = |image: &Value| {
-            image.get("bufferView").and_then(json::index).is_some_and(|view| (first_view..all_views).contains(&view))
+            image
+                .get("bufferView")
+                .and_then(json::index)
+                .is_some_and(|view| (first_view..all_views).contains(&view))
         };
         if accessors.is_empty()
             || first_view == all_views
@@ -205,8 +210,7 @@ fn trailing(set: &BTreeSet<usize>, length: usize) -> Option<usize> {
 /// Meshes that the extension names as simplified ones. `None` if a table cannot be read.
 fn meshes_of(document: &Document, extension: &Value) -> Option<BTreeSet<usize>> {
     let levels = json::array(extension, "meshLevels").iter().flat_map(|entry| json::array(entry, "levels"));
-    let mut meshes: BTreeSet<usize> =
-        levels.filter_map(|level| json::index(level.get("mesh")?)).collect();
+    let mut meshes: BTreeSet<usize> = levels.filter_map(|level| json::index(level.get("mesh")?)).collect();
     for tree in json::array(extension, "trees") {
         if let Some(table) = tree.pointer("/proxies/tables/PROXY_MESH").and_then(json::index) {
             let named = document.accessor(table).ok()?.read_indices_u32().ok()?;
