@@ -37,6 +37,7 @@ pub mod camera_path;
 pub mod evaluate;
 pub mod generate;
 pub mod gltf;
+pub mod proxies;
 pub mod scene;
 #[cfg(feature = "render")]
 pub mod stage;

@@ -15,12 +15,20 @@ fn metric(index: usize) -> Metric {
 
 /// Cameras around the scene and, seldom, in one of its objects.
 fn eye(hlod: &Hlod, seed: u64) -> svs_runtime::Camera {
-    if seed % 5 == 0 { camera_at(&hlod.bounds[0][seed as usize % hlod.bounds[0].len()], seed) } else { camera(seed) }
+    if seed % 5 == 0 {
+        camera_at(&hlod.bounds[0][seed as usize % hlod.bounds[0].len()], seed)
+    } else {
+        camera(seed)
+    }
 }
 
 fn settings(index: usize) -> Settings {
-    [Settings::FRUSTUM, Settings::NEAREST_O, Settings::default(), Settings { frustum: false, ..Settings::RING_O }]
-        [index % 4]
+    [
+        Settings::FRUSTUM,
+        Settings::NEAREST_O,
+        Settings::default(),
+        Settings { frustum: false, ..Settings::RING_O },
+    ][index % 4]
 }
 
 proptest! {

@@ -26,6 +26,8 @@ pub struct Appearance {
     /// Objects are those of [`Scene::objects`], in their order; meshes those of [`Scene::meshes`], then an empty one for
     /// objects that are not to be drawn, then those that were asked for with [`read_with`].
     pub data: SceneData,
+    /// For each material of the data its index in the file; `None` for glTF's default material.
+    pub gltf_materials: Vec<Option<usize>>,
     /// Counted notes on what was left out.
     pub notes: Vec<Note>,
 }
@@ -89,8 +91,10 @@ pub fn read_with(doc: &Document, scene: &Scene, more: &[u32]) -> Result<Appearan
         to_world: object.to_world,
     };
     let objects = scene.objects.iter().map(object).collect();
+    let gltf_materials = materials.sources();
     let Materials { materials, images, .. } = materials;
-    Ok(Appearance { data: SceneData { meshes, materials, images, objects }, notes: notes.into_vec() })
+    let data = SceneData { meshes, materials, images, objects };
+    Ok(Appearance { data, gltf_materials, notes: notes.into_vec() })
 }
 
 /// The glTF mesh of each mesh of the scene.

@@ -4,6 +4,7 @@ mod bake;
 mod broken_input;
 mod khronos_validator;
 mod process;
+mod proxies;
 #[cfg(feature = "render")]
 mod render;
 mod sample_grid;

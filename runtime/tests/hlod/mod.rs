@@ -4,8 +4,8 @@ use crate::common::{Random, sample};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use std::collections::HashSet;
 use svs_runtime::{
-    Bounds, Camera, Draw, Level, Nested, Placement, Proxies, ProxyTables, SceneCuller, Selected, SelectedKind,
-    Tree, TreeTables, Visibility,
+    Bounds, Camera, Draw, Level, Nested, Placement, Proxies, ProxyTables, SceneCuller, Selected,
+    SelectedKind, Tree, TreeTables, Visibility,
 };
 
 /// A scene, and all that a test needs to know of it.
@@ -14,7 +14,6 @@ pub(crate) struct Hlod {
     pub(crate) bounds: Vec<Vec<Bounds>>,
     pub(crate) has_guests: bool,
     trees: Vec<Known>,
-    loose: Vec<Bounds>,
     /// Per tree, per anchor.
     to_world: Vec<Vec<DAffine3>>,
 }
@@ -100,8 +99,7 @@ impl Hlod {
         if has_guests {
             // Two of three anchors hang on objects of the outer tree.
             let (a, b) = (0, outer.tables.object_count - 1);
-            let objects: HashSet<u32> = [a, b].into();
-            let nested = objects.into_iter().enumerate();
+            let nested = if a == b { vec![a] } else { vec![a, b] }.into_iter().enumerate();
             outer.tables.nested =
                 nested.map(|(k, object)| Nested { object, tree: 1, anchor: k as u32 }).collect();
         }
@@ -119,7 +117,8 @@ impl Hlod {
             for b in &inner.bounds {
                 for corner in 0..8 {
                     let pick = |k: usize| if corner >> k & 1 == 0 { b.min[k] } else { b.max[k] };
-                    let p = to_outer.transform_point3(DVec3::new(pick(0).into(), pick(1).into(), pick(2).into()));
+                    let p =
+                        to_outer.transform_point3(DVec3::new(pick(0).into(), pick(1).into(), pick(2).into()));
                     host.min = host.min.min(p.as_vec3() - 1e-4);
                     host.max = host.max.max(p.as_vec3() + 1e-4);
                 }
@@ -144,7 +143,7 @@ impl Hlod {
         }
         let loose = sample(seed.wrapping_add(2000), true).bounds;
         culler.set_loose(&loose, &vec![9; loose.len()]).unwrap();
-        Self { culler, bounds, has_guests, trees, loose, to_world }
+        Self { culler, bounds, has_guests, trees, to_world }
     }
 
     /// Objects that a proxy stands for, those of trees in it included.
@@ -202,10 +201,6 @@ impl Hlod {
             Some(level) if !inside => level.triangles.min(known.triangles[object]),
             _ => known.triangles[object],
         }
-    }
-
-    pub(crate) fn loose_count(&self) -> usize {
-        self.loose.len()
     }
 }
 

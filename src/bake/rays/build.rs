@@ -32,7 +32,7 @@ const MOST_COST_SPLITS: u32 = 48;
 /// always give the same hierarchy. `max_depth` of the result is enough for every traversal.
 ///
 /// The flag tells whether it was built top-down.
-pub(super) fn build(boxes: &[Aabb], params: BvhBuildParams) -> (Bvh2, bool) {
+pub(crate) fn build(boxes: &[Aabb], params: BvhBuildParams) -> (Bvh2, bool) {
     let is_trap = is_trap(boxes, &params);
     let mut bvh = if is_trap {
         top_down(boxes, params.max_prims_per_leaf as usize)

@@ -5,7 +5,7 @@
 //! is, beyond rounding; ray parameters `t` are in units of that half diagonal.
 
 mod blas;
-mod build;
+pub(crate) mod build;
 mod scene;
 mod triangle;
 
