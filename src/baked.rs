@@ -131,25 +131,21 @@ impl Baked {
     }
 
     /// The trees, in the order of the file.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub(crate) fn trees(&self) -> &[Arc<Tree>] {
         self.visibility.trees()
     }
 
     /// What was decoded.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub(crate) fn visibility(&self) -> &Visibility {
         &self.visibility
     }
 
     /// Why the file's proxies and simplified meshes were left out.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub(crate) fn broken_proxies(&self) -> Option<&DecodeError> {
         self.broken_proxies.as_ref()
     }
 
     /// Where the scene shows a tree: the indices of its anchors, and their transforms from tree space to world space.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub(crate) fn places(&self, tree: usize) -> impl Iterator<Item = (usize, DAffine3)> {
         let anchors = self.anchors.get(tree).into_iter().flatten().enumerate();
         anchors.filter(|(_, at)| at.objects.is_some()).map(|(anchor, at)| (anchor, at.to_world))
@@ -157,7 +153,6 @@ impl Baked {
 
     /// The objects of the scene that a place of a tree stands for at one of its anchors: one, or those of a whole tree
     /// inside it; none where the scene does not show it.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub(crate) fn below(&self, tree: usize, anchor: usize, place: u32) -> Range<u32> {
         let objects = || {
             let data = self.visibility.trees().get(tree)?;

@@ -2,6 +2,9 @@
 
 mod bake;
 mod broken_input;
+#[cfg(feature = "render")]
+#[path = "../common/handmade.rs"]
+mod handmade;
 mod khronos_validator;
 mod process;
 mod proxies;

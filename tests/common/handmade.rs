@@ -38,7 +38,8 @@ pub(crate) fn document() -> Document {
     let order = order(&doc);
     let half = order.len() / 2;
     let places: Vec<Vec3> = places().collect();
-    let balls = |range: std::ops::Range<usize>| -> Vec<Vec3> { order[range].iter().map(|&at| places[at]).collect() };
+    let balls =
+        |range: std::ops::Range<usize>| -> Vec<Vec3> { order[range].iter().map(|&at| places[at]).collect() };
     let mut more = Builder::of(&doc);
     let level = more.mesh(&[Vec3::ZERO], LEVEL);
     let meshes = [0..order.len(), 0..half, half..order.len()].map(|range| more.mesh(&balls(range), COARSE));
@@ -124,7 +125,8 @@ impl Builder {
             _ => 4,
         };
         let count = length / 4 / components;
-        let accessor = json!({"bufferView": view, "componentType": component_type, "count": count, "type": kind});
+        let accessor =
+            json!({"bufferView": view, "componentType": component_type, "count": count, "type": kind});
         self.push("accessors", accessor)
     }
 
@@ -157,10 +159,12 @@ impl Builder {
                 }
             }
         }
-        let (low, high) = positions.as_chunks::<3>().0.iter().map(|&p| Vec3::from(p)).fold(
-            (Vec3::INFINITY, Vec3::NEG_INFINITY),
-            |(low, high), p| (low.min(p), high.max(p)),
-        );
+        let (low, high) = positions
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|&p| Vec3::from(p))
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
         let position = self.accessor("VEC3", 5126, &positions.map_bytes());
         self.json["accessors"][position as usize]["min"] = json!(low.to_array());
         self.json["accessors"][position as usize]["max"] = json!(high.to_array());

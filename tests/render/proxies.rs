@@ -65,7 +65,9 @@ fn proxies_and_levels_follow_the_objects() {
     let [fine, level, coarse] = handmade::triangles().map(u64::from);
     assert_eq!(triangles(&stage, &proxies[..1]), OBJECTS as u64 * coarse);
     for id in ids.filter(|&id| stage.kind_of(id) == Kind::Level) {
-        let Some(Extra::Level { object, level: 1 }) = stage.extra(id) else { panic!("{:?}", stage.extra(id)) };
+        let Some(Extra::Level { object, level: 1 }) = stage.extra(id) else {
+            panic!("{:?}", stage.extra(id))
+        };
         assert_eq!((stage.levels_of(object), stage.objects_of(id)), (id..id + 1, vec![object]));
         assert_eq!((triangles(&stage, &[id]), triangles(&stage, &[object])), (level, fine));
     }
@@ -93,7 +95,8 @@ fn what_is_far_is_drawn_through_proxies_and_what_is_near_as_it_is() {
     assert!(objects == 0 && levels > 0 && proxies == 0, "{objects} {levels} {proxies}");
     let near = select(&mut stage, &view(3.0), 0.0, &Budget::Unlimited);
     let settings = stage.recommended();
-    let culled = stage.cull(&view(3.0), WIDTH, HEIGHT, Method::Visibility, &settings, &Budget::Unlimited).to_vec();
+    let culled =
+        stage.cull(&view(3.0), WIDTH, HEIGHT, Method::Visibility, &settings, &Budget::Unlimited).to_vec();
     let set = |ids: &[u32]| ids.iter().copied().collect::<BTreeSet<_>>();
     assert_eq!(set(&near), set(&culled));
     assert!(stage.nodes_shown(&near) <= 2);
@@ -101,7 +104,8 @@ fn what_is_far_is_drawn_through_proxies_and_what_is_near_as_it_is() {
         let drawn = select(&mut stage, &view(radii), 2.0, &Budget::Unlimited);
         assert_disjoint(&stage, &drawn);
         let shown = stage.objects_shown(&drawn);
-        let culled = stage.cull(&view(radii), WIDTH, HEIGHT, Method::Visibility, &settings, &Budget::Unlimited);
+        let culled =
+            stage.cull(&view(radii), WIDTH, HEIGHT, Method::Visibility, &settings, &Budget::Unlimited);
         assert!(culled.iter().all(|object| shown.binary_search(object).is_ok()), "{radii}");
     }
 }
@@ -141,7 +145,9 @@ fn broken_proxies_are_left_out_with_a_notice() {
         ("no such accessor", &|json| {
             json["extensions"][EXTENSION_NAME]["trees"][0]["proxies"]["tables"]["PROXY_SPHERE"] = 999.into();
         }),
-        ("a wrong type", &|json| json["extensions"][EXTENSION_NAME]["trees"][0]["proxies"]["visible"] = 3.into()),
+        ("a wrong type", &|json| {
+            json["extensions"][EXTENSION_NAME]["trees"][0]["proxies"]["visible"] = 3.into()
+        }),
         ("an empty mesh", &|json| json["meshes"][4]["primitives"][0]["mode"] = 1.into()),
     ];
     for (what, change) in broken {
@@ -150,7 +156,11 @@ fn broken_proxies_are_left_out_with_a_notice() {
         let doc = Document::from_parts(json, Some(whole.buffers[0].clone())).expect("a document");
         let mut stage = stage(&doc);
         assert!(stage.is_baked() && !stage.has_proxies(), "{what}");
-        assert!(stage.notice().is_some_and(|notice| notice.contains("proxies")), "{what}: {:?}", stage.notice());
+        assert!(
+            stage.notice().is_some_and(|notice| notice.contains("proxies")),
+            "{what}: {:?}",
+            stage.notice()
+        );
         assert_eq!(stage.data.objects.len(), OBJECTS, "{what}");
         let settings = stage.recommended();
         let near = view(3.0);
@@ -184,7 +194,10 @@ fn pictures_with_proxies_look_like_those_without() {
         let (reference, reference_items) = draw(&view, &all);
         let (picture, items) = draw(&view, &drawn);
         assert!(items.nearest.iter().all(|id| *id == NO_ITEM || drawn.contains(id)), "{radii}");
-        assert!(items.nearest.iter().any(|&id| id != NO_ITEM && stage.kind_of(id) != Kind::Object), "{radii}");
+        assert!(
+            items.nearest.iter().any(|&id| id != NO_ITEM && stage.kind_of(id) != Kind::Object),
+            "{radii}"
+        );
         let likeness = ssim(&reference, &picture).expect("pictures of one size");
         assert!(likeness > 0.9 && likeness < 1.0, "{radii}: {likeness}");
         let hole = largest_region(&hole_mask(&reference_items, &items), WIDTH as usize);

@@ -23,6 +23,9 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
                 ui.label(RichText::new("none in this file").small().color(FAINT));
             }
         });
+        if !there {
+            return;
+        }
         let on = viewer.state.proxies;
         ui.add_enabled_ui(on, |ui| tau(ui, viewer));
         ui.add_enabled_ui(on, |ui| metric(ui, viewer));
