@@ -148,10 +148,9 @@ fn options(args: &Evaluate) -> Result<EvaluateOptions, Failure> {
         Some(_) => &[EvaluationMethod::Budget, EvaluationMethod::FirstMisfit],
         None => &[],
     };
-    for &method in budgeted {
-        if !options.methods.contains(&method) {
-            options.methods.push(method);
-        }
+    // Not where the methods asked for keep within the budget already.
+    if !options.methods.iter().any(|&method| options.limits(method)) {
+        options.methods.extend(budgeted);
     }
     let wants_proxies = args.proxies.map_or(args.detail.is_given(), |switch| switch == Switch::On);
     if wants_proxies && !options.methods.iter().any(|method| method.draws_proxies().is_some()) {

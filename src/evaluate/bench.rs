@@ -1,7 +1,8 @@
 //! Scene, culler and renderer, ready to be asked for frames.
 
 use super::error::EvaluateError;
-use super::options::{EvaluateOptions, EvaluationMethod, FrameBudget};
+use super::method::EvaluationMethod;
+use super::options::{EvaluateOptions, FrameBudget};
 use crate::gltf::Document;
 use crate::stage::{Method, Stage};
 use std::time::Instant;

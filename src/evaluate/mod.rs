@@ -32,6 +32,7 @@ mod error;
 mod figures;
 mod flight;
 mod machine;
+mod method;
 pub mod metrics;
 mod options;
 mod quality;
@@ -43,7 +44,8 @@ mod timing;
 pub use error::EvaluateError;
 pub use figures::{Figures, Likeness};
 pub use machine::Machine;
-pub use options::{EvaluateOptions, EvaluationMethod, FrameBudget, OptionError, Tour};
+pub use method::EvaluationMethod;
+pub use options::{EvaluateOptions, FrameBudget, OptionError, Tour};
 pub use report::{REPORT_FILES, ReportError};
 pub use result::{
     CostReport, Evaluation, FrameResult, MethodSummary, MissingObject, PathEvaluation, QualityResult,

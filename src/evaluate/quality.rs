@@ -2,8 +2,9 @@
 
 use super::bench::{Bench, Shot};
 use super::error::EvaluateError;
+use super::method::EvaluationMethod;
 use super::metrics::{Compared, MAX_PSNR, Seen, hole_mask, largest_region, psnr, ssim};
-use super::options::{EvaluateOptions, EvaluationMethod};
+use super::options::EvaluateOptions;
 use super::result::{MissingObject, QualityResult, Simplified, WorstFrame};
 use crate::bake::Progress;
 use crate::stage::{Kind, Stage};

@@ -2,7 +2,8 @@
 
 use super::figures::{Figures, Likeness, median_of};
 use super::machine::Machine;
-use super::options::{EvaluateOptions, EvaluationMethod};
+use super::method::EvaluationMethod;
+use super::options::EvaluateOptions;
 use serde::{Serialize, Serializer};
 use svs_render::Image;
 

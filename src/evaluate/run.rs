@@ -4,7 +4,8 @@ use super::bench::{Bench, Shot};
 use super::error::EvaluateError;
 use super::flight::{Flight, flights};
 use super::machine::Machine;
-use super::options::{EvaluateOptions, EvaluationMethod, FrameBudget};
+use super::method::EvaluationMethod;
+use super::options::{EvaluateOptions, FrameBudget};
 use super::quality;
 use super::result::{
     CostReport, Evaluation, FrameResult, MethodSummary, PathEvaluation, Settings, TimeSource,

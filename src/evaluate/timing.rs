@@ -3,7 +3,8 @@
 use super::bench::{Bench, Flown, Shot};
 use super::error::EvaluateError;
 use super::figures::median_of;
-use super::options::{EvaluateOptions, EvaluationMethod, FrameBudget};
+use super::method::EvaluationMethod;
+use super::options::{EvaluateOptions, FrameBudget};
 use super::result::{TimeResult, TimeSource};
 use crate::bake::Progress;
 use svs_render::FrameTime;

@@ -14,6 +14,7 @@ mod method;
 mod metric;
 mod open;
 mod select;
+mod stretch;
 #[cfg(test)]
 mod tests;
 

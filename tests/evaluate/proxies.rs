@@ -22,7 +22,10 @@ fn proxies_are_measured_beside_the_rest() {
     let more = ["--frames", "3", "--tour", "outside", "--proxies", "on", "--detail", "4", "--metric", "sse"];
     let (summary, rows) = evaluate(&scene, &report, &more);
     assert_eq!(summary["notice"], serde_json::Value::Null);
-    assert_eq!((&summary["settings"]["detail_px"], &summary["settings"]["metric"]), (&4.0.into(), &"sse".into()));
+    assert_eq!(
+        (&summary["settings"]["detail_px"], &summary["settings"]["metric"]),
+        (&4.0.into(), &"sse".into())
+    );
     for (row, frustum) in of(&rows, "proxies").zip(of(&rows, "frustum")) {
         assert!(row.number("proxies") + row.number("levels") > 0.0, "{row:?}");
         assert!((1.0..=3.0).contains(&row.number("hlod_nodes")), "{row:?}");
@@ -31,7 +34,9 @@ fn proxies_are_measured_beside_the_rest() {
         assert!(row.number("largest_hole_px") < 64.0 && row.number("ssim") > 0.8, "{row:?}");
     }
     for method in ["frustum", "exact"] {
-        assert!(of(&rows, method).all(|row| row.number("proxies") == 0.0 && row.number("largest_hole_px") == 0.0));
+        assert!(
+            of(&rows, method).all(|row| row.number("proxies") == 0.0 && row.number("largest_hole_px") == 0.0)
+        );
     }
     assert!(summary["methods"][3]["nodes"]["median"].as_f64() > Some(0.0));
     let page = std::fs::read_to_string(report.join("report.html")).expect("a page");
@@ -63,7 +68,11 @@ fn a_file_without_proxies_says_so() {
     let scene = crate::small(&folder);
     let more = ["--frames", "1", "--tour", "outside", "--methods", "proxies"];
     let (summary, _) = evaluate(&scene, &report, &more);
-    assert!(summary["notice"].as_str().is_some_and(|notice| notice.contains("no proxies")), "{}", summary["notice"]);
+    assert!(
+        summary["notice"].as_str().is_some_and(|notice| notice.contains("no proxies")),
+        "{}",
+        summary["notice"]
+    );
     let (_, stderr) = succeeds(&[
         "evaluate".as_ref(),
         scene.as_os_str(),

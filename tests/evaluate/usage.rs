@@ -30,7 +30,7 @@ fn wrong_arguments_are_explained() {
         (&["--frames", "0"], &["0 frames"]),
         (&["--passes", "0"], &["0 passes"]),
         (&["--metric", "cubic"], &["\"cubic\"", "sigmoid:S,T"]),
-        (&["--detail", "-1"], &["pixels"]),
+        (&["--detail=-1"], &["pixels"]),
         (&["--reference", "magic"], &["\"magic\"", "proxies-frustum"]),
         (&["--reference", "budget"], &["budget needs --budget"]),
         (&["--size", "0x720"], &["1280x720"]),

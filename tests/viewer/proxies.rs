@@ -34,7 +34,10 @@ fn error_metric_and_budget_change_what_is_drawn() {
     );
     let figures = |name: &str, figure: &str| number(&stand.dump(&format!("{name}.json"))["figures"][figure]);
     let objects = (SIDE * SIDE) as f64;
-    assert_eq!((figures("far", "proxies"), figures("far", "nodes"), figures("far", "objects")), (1.0, 1.0, 1.0));
+    assert_eq!(
+        (figures("far", "proxies"), figures("far", "nodes"), figures("far", "objects")),
+        (1.0, 1.0, 1.0)
+    );
     assert_eq!((figures("off", "proxies"), figures("off", "objects")), (0.0, objects));
     assert_eq!((figures("fine", "proxies"), figures("fine", "simplified")), (0.0, 0.0));
     assert!(figures("coarse", "triangles") < 0.5 * figures("fine", "triangles"));
@@ -43,7 +46,9 @@ fn error_metric_and_budget_change_what_is_drawn() {
     assert!(figures("budget", "triangles") <= 3000.0 && figures("budget", "proxies") > 0.0);
     let state = stand.dump("sigmoid.json")["state"].clone();
     assert_eq!(state["metric"], "sigmoid");
-    assert!((number(&state["sigmoid_s"]) - 0.9).abs() < 1e-6 && (number(&state["sigmoid_t"]) - 0.05).abs() < 1e-6);
+    assert!(
+        (number(&state["sigmoid_s"]) - 0.9).abs() < 1e-6 && (number(&state["sigmoid_t"]) - 0.05).abs() < 1e-6
+    );
     assert_eq!(stand.dump("linear.json")["state"]["metric"], "linear");
 }
 
@@ -60,10 +65,14 @@ fn colours_tell_proxies_and_how_much_their_error_counts() {
             {"dump": "picked.json"},
         ]),
     );
-    let orange = |name: &str| stand.share(name, |[r, g, b]| r > 100 && r > g.saturating_add(30) && g > b.saturating_add(20));
+    let orange = |name: &str| {
+        stand.share(name, |[r, g, b]| r > 100 && r > g.saturating_add(30) && g > b.saturating_add(20))
+    };
     assert!(orange("proxies.png") > orange("objects.png") + 0.01);
     // The error counts in full: blue.
-    let blue = |name: &str| stand.share(name, |[r, g, b]| b > 90 && b > r.saturating_add(60) && b > g.saturating_add(60));
+    let blue = |name: &str| {
+        stand.share(name, |[r, g, b]| b > 90 && b > r.saturating_add(60) && b > g.saturating_add(60))
+    };
     assert!(blue("severity.png") > blue("objects.png") + 0.01);
     let picked = &stand.dump("picked.json")["picked"];
     if !picked.is_null() {
@@ -77,7 +86,9 @@ fn the_mouse_reaches_every_control() {
     let stand = Stand::new();
     let file = balls(&stand);
     let mut open = Open::new(&stand, &file);
-    for (control, metric) in [("metric_linear", "linear"), ("metric_sse", "sse"), ("metric_sigmoid", "sigmoid")] {
+    for (control, metric) in
+        [("metric_linear", "linear"), ("metric_sse", "sse"), ("metric_sigmoid", "sigmoid")]
+    {
         open.click(control);
         open.until(metric, |state| state["state"]["metric"] == metric);
     }

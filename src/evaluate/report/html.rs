@@ -1,10 +1,11 @@
 //! `report.html`: one file, no scripts, no other resources.
 
+use super::simplified;
 use super::style::{CSS, look};
 use super::svg::{Plot, Scale, Series, escape};
 use super::worst;
+use crate::evaluate::method::EvaluationMethod;
 use crate::evaluate::metrics::MAX_PSNR;
-use crate::evaluate::options::EvaluationMethod;
 use crate::evaluate::result::{Evaluation, FrameResult, MethodSummary, PathEvaluation};
 use std::fmt::Write as _;
 
@@ -22,13 +23,13 @@ pub(super) fn page(evaluation: &Evaluation) -> String {
     html += &findings(evaluation);
     html += "<h2>All paths</h2>\n";
     html += &table(&evaluation.methods);
-    html += &simplified_table(&evaluation.methods);
+    html += &simplified::table(&evaluation.methods);
     let methods = methods(&evaluation.methods);
     for path in &evaluation.paths {
         let _ = writeln!(html, "<h2>Path “{}”</h2>", escape(&path.name));
         if evaluation.paths.len() > 1 {
             html += &table(&path.methods);
-            html += &simplified_table(&path.methods);
+            html += &simplified::table(&path.methods);
         }
         html += &legend(&methods);
         html += &plots(path, &methods);
@@ -103,37 +104,6 @@ fn table(methods: &[MethodSummary]) -> String {
         let _ = writeln!(html, "<tr>{}</tr>", cells.concat());
     }
     html + "</tbody></table></div>\n<p class=\"quiet\">Culling, objects, draw calls and triangles are medians.</p>\n"
-}
-
-/// What is simplified, for the methods that simplify; nothing without them.
-fn simplified_table(methods: &[MethodSummary]) -> String {
-    let draws_proxies = |method: &&MethodSummary| {
-        method.method.parse().is_ok_and(|method: EvaluationMethod| method.draws_proxies().is_some())
-    };
-    if !methods.iter().any(|method| draws_proxies(&method)) {
-        return String::new();
-    }
-    let mut html = String::from(
-        "<div class=\"wide\"><table><thead><tr><th rowspan=\"2\">method</th><th rowspan=\"2\">proxies</th>\
-         <th rowspan=\"2\">simplified<br>objects</th><th rowspan=\"2\">HLOD<br>nodes</th>\
-         <th colspan=\"2\">largest hole, px</th><th colspan=\"2\">largest missing, px</th>\
-         <th colspan=\"2\">PSNR Cb, dB</th><th colspan=\"2\">PSNR Cr, dB</th></tr>\n<tr>",
-    );
-    html += &"<th>median</th><th>worst</th>".repeat(4);
-    html += "</tr></thead><tbody>\n";
-    for method in methods {
-        let mut cells = vec![escape(&method.method)];
-        cells.extend([method.proxies, method.levels, method.nodes].map(|f| grouped(f.median)));
-        for figures in [method.largest_hole, method.largest_missing] {
-            cells.extend([figures.median, figures.worst].map(grouped));
-        }
-        for ratio in [method.psnr_cb, method.psnr_cr] {
-            cells.extend([ratio.median, ratio.worst].map(decibels));
-        }
-        let cells: Vec<String> = cells.into_iter().map(|cell| format!("<td>{cell}</td>")).collect();
-        let _ = writeln!(html, "<tr>{}</tr>", cells.concat());
-    }
-    html + "</tbody></table></div>\n"
 }
 
 fn legend(methods: &[EvaluationMethod]) -> String {
@@ -327,12 +297,12 @@ fn three(value: f64) -> String {
     }
 }
 
-fn decibels(value: f64) -> String {
+pub(super) fn decibels(value: f64) -> String {
     if value >= MAX_PSNR { "equal".to_owned() } else { format!("{value:.1}") }
 }
 
 /// A whole number with narrow no-break spaces between thousands.
-fn grouped(value: f64) -> String {
+pub(super) fn grouped(value: f64) -> String {
     let digits = (value.max(0.0).round() as u64).to_string();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {

@@ -1,7 +1,7 @@
 //! The page's look: light, readable on a phone and on paper.
 
 use super::svg::Look;
-use crate::evaluate::options::EvaluationMethod;
+use crate::evaluate::method::EvaluationMethod;
 
 /// Colours by Okabe and Ito (2008), which colour-blind people can tell apart too.
 pub(super) fn look(method: EvaluationMethod) -> Look {

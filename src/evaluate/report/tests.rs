@@ -1,7 +1,8 @@
 //! The report of a made-up evaluation.
 
 use crate::evaluate::machine::Machine;
-use crate::evaluate::options::{EvaluateOptions, EvaluationMethod};
+use crate::evaluate::method::EvaluationMethod;
+use crate::evaluate::options::EvaluateOptions;
 use crate::evaluate::result::*;
 use svs_render::Image;
 

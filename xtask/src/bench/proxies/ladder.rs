@@ -96,6 +96,9 @@ fn measure(options: &Options, bench: &Bench, name: &str) -> Result<Vec<Step>, St
                 methods,
                 "--budget",
                 &budget,
+                // The budget alone decides: nothing is coarser than it has to be.
+                "--detail",
+                "0",
                 "--passes",
                 "1",
                 "--size",

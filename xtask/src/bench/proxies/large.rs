@@ -72,6 +72,8 @@ fn measure(options: &Options, bench: &Bench) -> Result<Value, String> {
         "budget,proxies",
         "--budget",
         BUDGET,
+        "--detail",
+        "0",
         "--tour",
         "outside",
         "--passes",

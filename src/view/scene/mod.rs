@@ -1,18 +1,20 @@
 //! The open file: what of it is drawn, and how it looks.
 
-use super::canvas::{Canvas, SCENE_FORMAT};
-use super::figures::{FrameFigures, grouped};
-use super::loading::Loaded;
-use super::overlay;
-use super::state::{Colours, Limit, State};
-use super::tints;
-use crate::stage::{Extra, Kind, Method, Stage, visible_objects};
+mod items;
+
+pub(crate) use items::Missing;
+
+use crate::stage::{Kind, Method, Stage, visible_objects};
+use crate::view::canvas::{Canvas, SCENE_FORMAT};
+use crate::view::figures::FrameFigures;
+use crate::view::loading::Loaded;
+use crate::view::overlay;
+use crate::view::state::{Colours, Limit, State};
+use crate::view::tints;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use svs_render::{
-    Frame, Gpu, GpuScene, ItemBuffer, Line, NO_ITEM, Offscreen, RenderError, Renderer, View, wgpu,
-};
+use svs_render::{Frame, Gpu, GpuScene, Line, Offscreen, RenderError, Renderer, View, wgpu};
 use svs_runtime::{Budget, CostModel, Detail, Settings};
 
 /// A camera and the size of its image: all that culling looks from.
@@ -34,19 +36,6 @@ struct CullKey {
     milliseconds: f64,
     detail: Option<Detail>,
     hidden: u64,
-}
-
-/// What is missing, measured.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub(crate) struct Missing {
-    /// Pixels that show an object which is not drawn.
-    pub(crate) pixels: u64,
-    /// Pixels of the image.
-    pub(crate) of: u64,
-    /// Missing pixels per million pixels of the image.
-    pub(crate) ppm: f64,
-    /// Objects that are seen and not drawn.
-    pub(crate) objects: usize,
 }
 
 /// An open file and everything that belongs to it.
@@ -216,27 +205,6 @@ impl OpenScene {
         Ok(())
     }
 
-    /// Which object is nearest at every pixel.
-    fn items(&mut self, gpu: &Gpu, eye: &Eye, shown: Shown) -> Result<ItemBuffer, RenderError> {
-        let size = [eye.width.max(1), eye.height.max(1)];
-        let mut offscreen = match self.offscreen.take() {
-            Some((offscreen, has)) if has == size => offscreen,
-            _ => Offscreen::new(gpu, size[0], size[1])?,
-        };
-        let all: Vec<u32>;
-        let objects = match shown {
-            Shown::Drawn => &self.drawn,
-            Shown::All => {
-                all = self.not_hidden();
-                &all
-            }
-        };
-        let frame = Frame { view: eye.view, objects, lines: &[] };
-        let items = offscreen.items(gpu, &mut self.renderer, &self.gpu_scene, &frame);
-        self.offscreen = Some((offscreen, size));
-        items
-    }
-
     /// Everything the user has not hidden.
     fn not_hidden(&self) -> Vec<u32> {
         self.stage.order().iter().copied().filter(|object| !self.hidden.contains(object)).collect()
@@ -245,46 +213,6 @@ impl OpenScene {
     /// What is shown: what is drawn, or all with the skipped marked.
     fn shown(&self, state: &State) -> Shown {
         if state.freeze && state.skipped { Shown::All } else { Shown::Drawn }
-    }
-
-    /// The object at a pixel of the picture; glass counts before what is behind it.
-    pub(crate) fn pick(
-        &mut self,
-        gpu: &Gpu,
-        eye: &Eye,
-        state: &State,
-        pixel: [u32; 2],
-    ) -> Result<Option<u32>, RenderError> {
-        let [x, y] = pixel.map(|side| side as usize);
-        let at = |items: &ItemBuffer| {
-            let index = y * items.width as usize + x;
-            let at = |buffer: &[u32]| buffer.get(index).copied().filter(|&object| object != NO_ITEM);
-            at(&items.transparent).or_else(|| at(&items.nearest))
-        };
-        let found = at(&self.items(gpu, eye, self.shown(state))?);
-        match found.and_then(|id| self.stage.extra(id)) {
-            None => Ok(found),
-            Some(Extra::Level { object, .. }) => Ok(Some(object)),
-            // Which of its objects: the one that would be seen there.
-            Some(Extra::Proxy { .. }) => Ok(at(&self.items(gpu, eye, Shown::All)?)),
-        }
-    }
-
-    /// Compares what is drawn with everything that could be, pixel by pixel, from where culling looks.
-    pub(crate) fn measure_missing(&mut self, gpu: &Gpu, eye: &Eye) -> Result<Missing, RenderError> {
-        let eye = self.cull_eye(eye);
-        let items = self.items(gpu, &eye, Shown::All)?;
-        let lacks = |object: u32| object != NO_ITEM && !self.is_drawn(object);
-        let mut objects = BTreeSet::new();
-        let mut pixels = 0_u64;
-        for (&nearest, &transparent) in items.nearest.iter().zip(&items.transparent) {
-            if lacks(nearest) || lacks(transparent) {
-                pixels += 1;
-                objects.extend([nearest, transparent].into_iter().filter(|&object| lacks(object)));
-            }
-        }
-        let of = items.nearest.len() as u64;
-        Ok(Missing { pixels, of, ppm: pixels as f64 / of.max(1) as f64 * 1e6, objects: objects.len() })
     }
 
     /// Draws the scene into the canvas and waits for the GPU.
@@ -411,25 +339,7 @@ impl OpenScene {
         let camera = Stage::camera(&eye.view, eye.width, eye.height);
         let settings = if state.method == Method::Frustum { Settings::FRUSTUM } else { state.settings() };
         let reason = self.stage.culler().explain(draw, &camera, &settings);
-        super::explain::sentence(&reason, drawn, state.limit != Limit::None)
-    }
-
-    /// What is drawn in the place of an object, in words; `None` if it is drawn itself, or nothing is.
-    fn stand_in(&self, object: u32, drawn: bool) -> Option<String> {
-        if !drawn || !self.stage.has_proxies() || self.drawn.contains(&object) {
-            return None;
-        }
-        let stands =
-            |&id: &u32| self.stage.extra(id).is_some() && self.stage.objects_of(id).contains(&object);
-        let id = self.drawn.iter().copied().find(stands)?;
-        let triangles = grouped(u64::from(self.gpu_scene.triangles(id)));
-        Some(match self.stage.extra(id)? {
-            Extra::Level { level, .. } => format!("drawn simplified: level {level}, {triangles} triangles"),
-            Extra::Proxy { .. } => {
-                let objects = grouped(self.stage.objects_of(id).len() as u64);
-                format!("drawn through a proxy of {objects} objects, {triangles} triangles")
-            }
-        })
+        crate::view::explain::sentence(&reason, drawn, state.limit != Limit::None)
     }
 
     /// Colours can be shown: they need what was baked, or proxies.
