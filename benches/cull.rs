@@ -15,7 +15,7 @@ use svs::generate::{SampleKind, SampleOptions, generate};
 use svs::gltf::{Document, DocumentTables};
 use svs::scene::{ReadOptions, read_scene};
 use svs_runtime::format::Extension;
-use svs_runtime::{Bounds, Budget, Camera, Culler, SceneCuller, Settings, Tree, Visibility};
+use svs_runtime::{Bounds, Budget, Camera, Culler, Detail, SceneCuller, Settings, Tree, Visibility};
 
 /// Frames of one run round the scene or through it; a sample is the mean over all.
 const FRAMES: usize = 64;
@@ -144,7 +144,7 @@ queries!(inside, false);
 fn budget_of_a_tenth(bencher: Bencher, query: &str) {
     let settings = if query == "frustum" { Settings::FRUSTUM } else { Settings::NEAREST_O };
     let plant = Plant::with(100_000);
-    let trees = vec![grid::rebuilt(&plant.tree, svs_runtime::Placement::Scene(0))];
+    let trees = vec![grid::rebuilt(&plant.tree, svs_runtime::Placement::Scene(0), None)];
     let visibility = Visibility::new(trees).expect("a valid tree");
     let mut culler = SceneCuller::new(&visibility, &[&plant.bounds]).expect("a box for each object");
     culler.set_triangles(0, &plant.triangles).expect("a count for each object");
@@ -169,6 +169,52 @@ fn scene_frames(
         frame = (frame + 1) % cameras.len();
         culler.cull_within(&cameras[frame], &settings, &budget).len()
     });
+}
+
+/// Choosing proxies and originals, with a proxy for each node of the tree: culling included, without a budget and with one
+/// of a tenth of the triangles that culling answers in the mean.
+mod select {
+    use super::*;
+
+    fn frames(bencher: Bencher, objects: usize, outside: bool, settings: Settings, tau: f32, tenth: bool) {
+        let plant = Plant::with(objects);
+        let (proxies, triangles) = grid::proxies(&plant.tree, &plant.bounds, &plant.triangles);
+        let trees = vec![grid::rebuilt(&plant.tree, svs_runtime::Placement::Scene(0), Some(proxies))];
+        let visibility = Visibility::new(trees).expect("a valid tree");
+        let mut culler = SceneCuller::new(&visibility, &[&plant.bounds]).expect("a box for each object");
+        culler.set_triangles(0, &plant.triangles).expect("a count for each object");
+        culler.set_proxy_triangles(0, &triangles).expect("a count for each proxy");
+        let cameras = cameras(&plant.bounds, outside);
+        let detail = Detail { tau, ..Detail::default() };
+        let mut sum = 0;
+        for camera in &cameras {
+            culler.cull(camera, &settings);
+            sum += culler.selection().chosen_triangles;
+        }
+        let budget = Budget::Triangles(sum / FRAMES as u64 / 10);
+        let budget = if tenth { budget } else { Budget::Unlimited };
+        let mut frame = 0;
+        bencher.bench_local(|| {
+            frame = (frame + 1) % FRAMES;
+            culler.select(&cameras[frame], &settings, &detail, &budget).len()
+        });
+    }
+
+    macro_rules! select {
+        ($name:ident, $outside:literal, $settings:expr, $tau:literal, $tenth:literal) => {
+            #[divan::bench(args = [10_000, 100_000])]
+            fn $name(bencher: Bencher, objects: usize) {
+                frames(bencher, objects, $outside, $settings, $tau, $tenth);
+            }
+        };
+    }
+
+    select!(outside_one_pixel, true, Settings::NEAREST_O, 1.0, false);
+    select!(outside_sixteen_pixels, true, Settings::NEAREST_O, 16.0, false);
+    select!(outside_tenth, true, Settings::NEAREST_O, 1.0, true);
+    select!(outside_frustum_tenth, true, Settings::FRUSTUM, 1.0, true);
+    select!(inside_one_pixel, false, Settings::NEAREST_O, 1.0, false);
+    select!(inside_tenth, false, Settings::NEAREST_O, 1.0, true);
 }
 
 /// A hundred plants of 10,000 objects, see [`grid`].

@@ -21,6 +21,7 @@
 //! - [`gltf`] reads and writes files without losing anything of them, and attaches what is baked.
 //! - [`scene`] finds the objects, their geometry and the nodes above them.
 //! - [`bake`] groups the objects, samples their visibility with rays, drops what does not pay and encodes the rest.
+//! - [`proxies`] makes simplified stand-ins for groups of objects, if they are asked for.
 //! - [`verify`] measures the result on cameras that the bake has not seen, beside the published method.
 //! - [`validate`] checks a file against the extension's schema and its scene.
 //! - [`generate`] makes the sample scenes.

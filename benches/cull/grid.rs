@@ -4,7 +4,7 @@
 use crate::Plant;
 use glam::{DAffine3, DVec3, Vec3};
 use svs_runtime::encode::{importance_code, level_bits_for, palette};
-use svs_runtime::{Bounds, Nested, Placement, SceneCuller, Tree, TreeTables, Visibility};
+use svs_runtime::{Bounds, Nested, Placement, ProxyTables, SceneCuller, Tree, TreeTables, Visibility};
 
 /// Plants along each side.
 const SIDE: u32 = 10;
@@ -22,7 +22,7 @@ pub(crate) fn culler(plant: &Plant) -> (SceneCuller, Vec<Bounds>) {
     let cells: Vec<Bounds> = (0..SIDE * SIDE)
         .map(|cell| Bounds { min: whole.min + offset(cell), max: whole.max + offset(cell) })
         .collect();
-    let inner = rebuilt(&plant.tree, Placement::Anchors((0..SIDE * SIDE).collect()));
+    let inner = rebuilt(&plant.tree, Placement::Anchors((0..SIDE * SIDE).collect()), None);
     let visibility = Visibility::new(vec![outer(&cells), inner]).expect("trees that fit each other");
     let mut culler = SceneCuller::new(&visibility, &[&cells, &plant.bounds]).expect("a box for each object");
     for cell in 0..SIDE * SIDE {
@@ -60,8 +60,55 @@ fn outer(cells: &[Bounds]) -> Tree {
     .expect("a valid tree")
 }
 
+/// A proxy for each node of a tree, with spheres that hold each other, errors of a hundredth of their radii, and at most 2,000
+/// triangles; and how many those are.
+pub(crate) fn proxies(tree: &Tree, bounds: &[Bounds], triangles: &[u32]) -> (ProxyTables, Vec<u32>) {
+    let nodes = tree.nodes();
+    let mut spheres: Vec<(Vec3, f32)> = nodes
+        .iter()
+        .map(|node| {
+            let objects = &bounds[node.objects().start as usize..node.objects().end as usize];
+            let far =
+                |b: &Bounds| (b.max - node.center).abs().max((b.min - node.center).abs()).length() * 1.0001;
+            (node.center, objects.iter().map(far).fold(0.0, f32::max))
+        })
+        .collect();
+    let mut open: Vec<usize> = Vec::new();
+    let parents: Vec<Option<usize>> = nodes
+        .iter()
+        .enumerate()
+        .map(|(index, node)| {
+            open.truncate(node.depth as usize);
+            open.push(index);
+            open.len().checked_sub(2).map(|parent| open[parent])
+        })
+        .collect();
+    for (index, parent) in parents.into_iter().enumerate().rev() {
+        if let Some(parent) = parent {
+            let reach = spheres[parent].0.distance(spheres[index].0) + spheres[index].1 * 1.0001;
+            spheres[parent].1 = spheres[parent].1.max(reach);
+        }
+    }
+    let counts = nodes.iter().map(|node| {
+        let objects = &triangles[node.objects().start as usize..node.objects().end as usize];
+        (objects.iter().sum::<u32>() / 4).clamp(1, 2000)
+    });
+    let tables = ProxyTables {
+        visible: true,
+        sphere: spheres.iter().map(|(center, radius)| center.extend(*radius).to_array()).collect(),
+        subtree: nodes.iter().map(|node| node.subtree).collect(),
+        first_object: nodes.iter().map(|node| node.first_object).collect(),
+        object_count: nodes.iter().map(|node| node.object_count).collect(),
+        object: None,
+        error: spheres.iter().map(|(_, radius)| radius * 0.01).collect(),
+        mesh: vec![0; nodes.len()],
+        origin: vec![[0.0; 3]; nodes.len()],
+    };
+    (tables, counts.collect())
+}
+
 /// The same tree elsewhere.
-pub(crate) fn rebuilt(tree: &Tree, placement: Placement) -> Tree {
+pub(crate) fn rebuilt(tree: &Tree, placement: Placement, proxies: Option<ProxyTables>) -> Tree {
     let (objects, directions) = (tree.object_count(), tree.direction_set().len());
     let levels: Vec<u8> =
         (0..objects).flat_map(|object| (0..directions).map(move |d| tree.level(object, d))).collect();
@@ -89,7 +136,7 @@ pub(crate) fn rebuilt(tree: &Tree, placement: Placement) -> Tree {
         level_row_index: rows.index,
         importance_area,
         importance: areas.iter().map(|&area| importance_code(area, importance_area)).collect(),
-        proxies: None,
+        proxies,
         nested: Vec::new(),
         recommended_quality: None,
         fingerprint: None,

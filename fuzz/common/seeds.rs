@@ -73,7 +73,7 @@ fn nested() -> (Value, Vec<u8>) {
     let mut json = json!({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
         "nodes": [{"children": [1, 2, 3]}, mesh(0.0), mesh(1.0), {"children": [4, 5]}, mesh(3.0), mesh(4.0)],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}, {"primitives": [{"mode": 1, "attributes": {"POSITION": 0}}]}],
         "extensionsUsed": ["EXT_spherical_visibility"],
         "extensions": {"EXT_spherical_visibility": {"version": "1.0", "trees": [
             {"scene": 0, "directions": "octahedron", "objectCount": 3, "levelBits": 1, "importanceArea": 1.0,
@@ -81,7 +81,7 @@ fn nested() -> (Value, Vec<u8>) {
                 "fingerprint": {"triangles": 4, "hash": format_hash(fingerprint([(0, 1), (1, 1), (2, 2)]))}},
             {"anchors": [3], "directions": "octahedron", "objectCount": 2, "levelBits": 1, "importanceArea": 1.0, "tables": {},
                 "fingerprint": {"triangles": 2, "hash": format_hash(fingerprint([(0, 1), (1, 1)]))}},
-        ]}},
+        ], "meshLevels": [{"mesh": 0, "levels": [{"mesh": 1, "error": 0.25}]}]}},
     });
     let mut file = File::default();
     file.add(&floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]), 5126, "VEC3");
@@ -100,6 +100,24 @@ fn nested() -> (Value, Vec<u8>) {
         table("LEVEL_ROW_INDEX", &[0, 1, 1][..usize::from(objects)], 5121, "SCALAR");
         table("OBJECT_ORDER", &[1, 0, 2][..usize::from(objects)], 5121, "SCALAR");
         table("IMPORTANCE", &vec![9; usize::from(objects)], 5121, "SCALAR");
+    }
+    // A root with one proxy below it, in each tree.
+    for (tree, objects) in [(0, 3_u8), (1, 2)] {
+        json["extensions"]["EXT_spherical_visibility"]["trees"][tree]["proxies"] =
+            json!({"visible": true, "tables": {}});
+        let mut table = |name: &str, bytes: &[u8], component: u32, kind: &str| {
+            let index = file.add(bytes, component, kind);
+            json["extensions"]["EXT_spherical_visibility"]["trees"][tree]["proxies"]["tables"][name] =
+                json!(index);
+        };
+        table("PROXY_SPHERE", &floats(&[2.5, 0.5, 0.0, 3.0, 4.0, 0.5, 0.0, 1.5]), 5126, "VEC4");
+        table("PROXY_SUBTREE", &[2, 1], 5121, "SCALAR");
+        table("PROXY_FIRST_OBJECT", &[0, 1], 5121, "SCALAR");
+        table("PROXY_OBJECT_COUNT", &[objects, objects - 1], 5121, "SCALAR");
+        table("PROXY_OBJECT", &[2, 0, 1][usize::from(3 - objects)..], 5121, "SCALAR");
+        table("PROXY_ERROR", &floats(&[0.5, 0.25]), 5126, "SCALAR");
+        table("PROXY_MESH", &[1, 1], 5121, "SCALAR");
+        table("PROXY_ORIGIN", &floats(&[0.0, 0.0, 0.0, 3.0, 0.0, 0.0]), 5126, "VEC3");
     }
     file.finish(json)
 }

@@ -7,7 +7,9 @@ use svs::camera_path::CameraPath;
 use svs::gltf::{AccessorError, Document, DocumentTables, payload};
 use svs::scene::{ReadOptions, read_scene};
 use svs_runtime::format::Extension;
-use svs_runtime::{Bounds, Camera, Draw, Query, SceneCuller, Settings, Visibility};
+use svs_runtime::{
+    Bounds, Budget, Camera, Detail, Draw, Query, SceneCuller, SelectedKind, Settings, Visibility,
+};
 
 /// Reads a GLB and writes it again: nothing may change. Adds a payload and takes it out: nothing may change.
 pub(crate) fn glb(data: &[u8]) {
@@ -183,11 +185,41 @@ fn cull(visibility: &Visibility, extras: &Value) {
                         assert!((draw.anchor as usize) < tree.placement().count());
                     }
                     assert_eq!(culler.statistics().drawn, culler.cull(&camera, &settings).len());
+                    for budget in [Budget::Unlimited, Budget::Triangles(4)] {
+                        select(visibility, &mut culler, &camera, &settings, &budget);
+                    }
                 }
             }
         }
         culler.set_hidden(Draw { tree: 0, anchor: 0, object: 1 }, true);
     }
+}
+
+/// Selects with large errors: all that is drawn must be there to be drawn, within the budget.
+fn select(
+    visibility: &Visibility,
+    culler: &mut SceneCuller,
+    camera: &Camera,
+    settings: &Settings,
+    budget: &Budget<'_>,
+) {
+    for (tree, decoded) in visibility.trees().iter().enumerate() {
+        let proxies = decoded.proxies().map_or(0, |proxies| proxies.nodes().len());
+        culler.set_triangles(tree as u32, &vec![3; decoded.object_count()]).expect("a count for each object");
+        culler.set_proxy_triangles(tree as u32, &vec![2; proxies]).expect("a count for each proxy");
+    }
+    let detail = Detail { tau: 100.0, ..Detail::default() };
+    for selected in culler.select(camera, settings, &detail, budget) {
+        let tree = &visibility.trees()[selected.draw.tree as usize];
+        let proxies = tree.proxies().map_or(0, |proxies| proxies.nodes().len());
+        let most = if selected.kind == SelectedKind::Proxy { proxies } else { tree.object_count() };
+        assert!((selected.draw.object as usize) < most);
+        assert!((selected.draw.anchor as usize) < tree.placement().count());
+        assert!((0.0..=1.0).contains(&selected.ratio));
+    }
+    let statistics = culler.detail_statistics();
+    assert!(statistics.triangles <= statistics.candidate_triangles);
+    assert!(!matches!(budget, Budget::Triangles(most) if statistics.triangles > *most));
 }
 
 /// Reads a camera path, flies it and writes it: what is written reads as the same.

@@ -6,12 +6,13 @@
 
 mod common;
 
-use common::{camera, camera_at, sample};
+use common::{camera, camera_at, sample, some_proxies};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
 use svs_runtime::{
-    Bounds, Budget, CostModel, Culler, Draw, Placement, Query, SceneCuller, Settings, Tree, Visibility,
+    Bounds, Budget, CostModel, Culler, Detail, Draw, Level, Placement, Query, SceneCuller, Settings, Tree,
+    Visibility,
 };
 
 thread_local! {
@@ -109,6 +110,9 @@ fn a_scene_culler_never_allocates_once_warm() {
     let (mut outer, mut inner) = (sample(1, false), sample(2, true));
     outer.tables.nested = vec![svs_runtime::Nested { object: 0, tree: 1, anchor: 0 }];
     inner.tables.placement = Placement::Anchors(vec![3, 4]);
+    for sample in [&mut outer, &mut inner] {
+        sample.tables.proxies = Some(some_proxies(sample.tables.object_count));
+    }
     let bounds: Vec<Vec<Bounds>> = vec![outer.bounds, inner.bounds];
     let trees = [outer.tables, inner.tables].map(|tables| Tree::new(tables).unwrap());
     let visibility = Visibility::new(trees.into()).unwrap();
@@ -116,6 +120,11 @@ fn a_scene_culler_never_allocates_once_warm() {
     culler.set_hidden(Draw { tree: 1, anchor: 1, object: 0 }, true);
     for (tree, bounds) in bounds.iter().enumerate() {
         culler.set_triangles(tree as u32, &vec![7; bounds.len()]).unwrap();
+        culler.set_proxy_triangles(tree as u32, &[30, 20, 20]).unwrap();
+        let starts: Vec<u32> = (0..=bounds.len() as u32).collect();
+        culler
+            .set_levels(tree as u32, &starts, &vec![Level { triangles: 3, error: 0.05 }; bounds.len()])
+            .unwrap();
     }
     let others = sample(3, true).bounds;
     culler.set_loose(&others, &vec![9; others.len()]).unwrap();
@@ -135,6 +144,10 @@ fn a_scene_culler_never_allocates_once_warm() {
                     Budget::Milliseconds(0.6, &model),
                 ] {
                     drawn += culler.cull_within(&camera, settings, &budget).len();
+                    for tau in [0.0, 1.0, 30.0] {
+                        let detail = Detail { tau, ..Detail::default() };
+                        drawn += culler.select(&camera, settings, &detail, &budget).len();
+                    }
                 }
                 let chosen = culler.selection();
                 model.record(chosen.chosen_triangles, chosen.chosen as u64, 1.0);

@@ -4,10 +4,11 @@ mod common;
 mod hlod;
 
 use common::{Random, camera, camera_at};
+use glam::DVec3;
 use hlod::{Hlod, covered};
 use proptest::prelude::*;
 use std::collections::HashSet;
-use svs_runtime::{Budget, CostModel, Detail, Draw, Metric, SelectedKind, Settings};
+use svs_runtime::{Budget, Camera, CostModel, Detail, Draw, Metric, SelectedKind, Settings};
 
 fn metric(index: usize) -> Metric {
     [Metric::Sse, Metric::Linear, Metric::default()][index % 3]
@@ -200,4 +201,42 @@ fn random_scenes_draw_proxies_levels_and_originals() {
     }
     println!("{proxies} proxies, {levels} levels, {objects} objects, {guests} scenes with trees in trees");
     assert!(proxies > 50 && levels > 50 && objects > 50 && guests > 10);
+}
+
+/// The figures of the documentation: how much of what is drawn changes from frame to frame where the visible set does not,
+/// on a slow flight and with a trembling hand, with and without hysteresis.
+#[test]
+fn hysteresis_keeps_cuts_from_flickering() {
+    let settings = Settings { frustum: false, ..Settings::FRUSTUM };
+    let detail = Detail { tau: 0.0, metric: Metric::default() };
+    let looking = |eye: DVec3| {
+        Camera::perspective(common::view(eye, DVec3::ZERO), 60_f64.to_radians(), 1280.0, 720.0, 0.05)
+    };
+    let flight = |frame: usize| {
+        let angle = frame as f64 * 0.005;
+        looking(DVec3::new(angle.cos(), 0.3, angle.sin()) * 25.0)
+    };
+    let hand = |frame: usize| looking(DVec3::new(25.0, 4.0, 0.0) + Random(frame as u64).point(0.1));
+    for (name, path) in [("flight", &flight as &dyn Fn(usize) -> Camera), ("hand", &hand)] {
+        let changes = |factor: f64| {
+            let mut changes = 0;
+            for seed in 0..20 {
+                let mut hlod = Hlod::new(seed);
+                hlod.culler.set_hysteresis(factor);
+                hlod.culler.cull(&path(0), &settings);
+                let budget = Budget::Triangles(hlod.culler.selection().chosen_triangles / 5);
+                let mut before: Option<HashSet<(Draw, SelectedKind)>> = None;
+                for frame in 0..100 {
+                    let selected = hlod.culler.select(&path(frame), &settings, &detail, &budget);
+                    let drawn: HashSet<_> = selected.iter().map(|s| (s.draw, s.kind)).collect();
+                    changes += before.map_or(0, |before| before.symmetric_difference(&drawn).count());
+                    before = Some(drawn);
+                }
+            }
+            changes
+        };
+        let (without, with) = (changes(1.0), changes(1.25));
+        println!("{name}: {without} changes without hysteresis, {with} with");
+        assert!(without > 50 && with < without, "{name}: {without} {with}");
+    }
 }

@@ -2,11 +2,12 @@
 
 mod common;
 
-use common::{Accessors, camera, encode, extension, sample};
+use common::{Accessors, camera, encode, extension, sample, some_proxies};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use svs_runtime::{
-    Bounds, DecodeError, Placement, Query, SceneCuller, Settings, Tree, TreeError, TreeTables, Visibility,
+    Bounds, Budget, DecodeError, Detail, Placement, Proxies, ProxyTables, Query, SceneCuller, Settings, Tree,
+    TreeError, TreeTables, Visibility,
 };
 
 /// A valid two-tree extension, the second inside the first.
@@ -15,9 +16,14 @@ fn valid(seed: u64) -> (Value, Accessors) {
     outer.nested = vec![svs_runtime::Nested { object: 0, tree: 1, anchor: 0 }];
     outer.object_order = Some((0..outer.object_count).rev().collect());
     inner.placement = Placement::Anchors(vec![3]);
+    outer.proxies = Some(some_proxies(outer.object_count));
+    inner.proxies = Some(ProxyTables { object: None, ..some_proxies(inner.object_count) });
     let mut accessors = Accessors::default();
     let trees = vec![encode(&outer, &mut accessors), encode(&inner, &mut accessors)];
-    (extension(trees), accessors)
+    let mut extension = extension(trees);
+    extension["meshLevels"] =
+        json!([{"mesh": 1, "levels": [{"mesh": 4, "error": 0.5}, {"mesh": 5, "error": 2}]}]);
+    (extension, accessors)
 }
 
 /// Whatever was decoded can be used.
@@ -29,6 +35,10 @@ fn use_it(visibility: &Visibility) {
     let Ok(mut culler) = SceneCuller::new(visibility, &bounds) else { return };
     for query in [Query::Object, Query::SphereWeighted3] {
         culler.cull(&camera(5), &Settings { query, ..Settings::from_quality(0.95) });
+        for budget in [Budget::Unlimited, Budget::Triangles(20)] {
+            let detail = Detail { tau: 4.0, ..Detail::default() };
+            culler.select(&camera(5), &Settings { query, ..Settings::default() }, &detail, &budget);
+        }
         culler.set_hidden(svs_runtime::Draw { tree: 0, anchor: 0, object: 0 }, true);
     }
 }
@@ -125,12 +135,20 @@ proptest! {
 
     #[test]
     fn what_is_written_is_read(seed: u64) {
-        let tables = sample(seed, false).tables;
+        let mut tables = sample(seed, false).tables;
+        tables.proxies = Some(some_proxies(tables.object_count));
         let mut accessors = Accessors::default();
         let tree = encode(&tables, &mut accessors);
         let visibility = Visibility::decode(&extension(vec![tree]), &accessors).unwrap();
         let (decoded, direct) = (&visibility.trees()[0], Tree::new(tables).unwrap());
         prop_assert_eq!(decoded.nodes(), direct.nodes());
+        let nodes = |tree: &Tree| tree.proxies().map(|proxies: &Proxies| proxies.nodes().to_vec());
+        prop_assert_eq!(nodes(decoded), nodes(&direct));
+        let places = |tree: &Tree| {
+            let objects = 0..tree.object_count() as u32;
+            tree.proxies().map(|proxies| objects.map(|k| proxies.object(k)).collect::<Vec<_>>())
+        };
+        prop_assert_eq!(places(decoded), places(&direct));
         for object in 0..direct.object_count() {
             prop_assert_eq!(decoded.depth(object), direct.depth(object));
             for d in 0..direct.direction_set().len() {
@@ -158,6 +176,7 @@ fn a_count_without_data_is_refused() {
     assert!(matches!(tree_error(&json, &accessors), TreeError::TableLength { .. }));
     // Without any table the count stands alone; nothing is allocated for it, and nothing is drawn without boxes.
     json["trees"][0]["tables"] = json!({});
+    json["trees"][0]["proxies"]["tables"]["PROXY_OBJECT"] = json!(null);
     let visibility = Visibility::decode(&json, &accessors).unwrap();
     assert_eq!(visibility.trees()[0].object_count(), 4_000_000_000);
     assert_eq!(visibility.trees()[0].level(3_999_999_999, 5), 0);
@@ -250,4 +269,60 @@ fn many_trees_cannot_multiply_one_large_table() {
     assert!(Visibility::decode(&many(15), &accessors).is_ok());
     let error = Visibility::decode(&many(17), &accessors).unwrap_err();
     assert!(matches!(error, DecodeError::TablesTooLarge { tree: 16 }), "{error}");
+}
+
+/// A chain of proxies as deep as the table is long, split and refined step by step.
+#[test]
+fn deep_chains_of_proxies_are_fine() {
+    let n = 20_000_u32;
+    let chain = ProxyTables {
+        visible: true,
+        sphere: vec![[0.0, 0.0, 0.0, 1.0]; n as usize],
+        subtree: (1..=n).rev().collect(),
+        first_object: (0..n).collect(),
+        object_count: (1..=n).rev().collect(),
+        object: None,
+        error: vec![1.0; n as usize],
+        mesh: vec![0; n as usize],
+        origin: vec![[0.0; 3]; n as usize],
+    };
+    let mut tables = TreeTables {
+        node_sphere: Vec::new(),
+        node_subtree: Vec::new(),
+        node_first_object: Vec::new(),
+        node_object_count: Vec::new(),
+        object_count: n,
+        level_row: Vec::new(),
+        level_row_index: None,
+        importance: Vec::new(),
+        proxies: Some(chain),
+        ..sample(1, false).tables
+    };
+    use_it(&Visibility::new(vec![Tree::new(tables.clone()).unwrap()]).unwrap());
+    if let Some(proxies) = &mut tables.proxies {
+        proxies.error[7] = 2.0;
+    }
+    let TreeError::Proxies(error) = Tree::new(tables).unwrap_err() else { panic!("not of the proxies") };
+    assert_eq!(*error, TreeError::ProxyError { node: 7 });
+}
+
+#[test]
+fn broken_proxies_and_levels_are_refused() {
+    let (valid, accessors) = valid(1);
+    assert_eq!(Visibility::decode(&valid, &accessors).unwrap().mesh_levels()[0].levels.len(), 2);
+    let mut json = valid.clone();
+    json["trees"][0]["proxies"]["tables"]["PROXY_ERROR"] = json!(9999);
+    let error = tree_error(&json, &accessors);
+    assert_eq!(error, TreeError::Accessor { table: "PROXY_ERROR", accessor: 9999 });
+    let mut json = valid.clone();
+    json["trees"][0]["proxies"]["tables"]["PROXY_ORIGIN"] =
+        valid["trees"][0]["tables"]["NODE_SPHERE"].clone();
+    assert!(matches!(tree_error(&json, &accessors), TreeError::AccessorType { table: "PROXY_ORIGIN", .. }));
+    let mut json = valid.clone();
+    json["meshLevels"][0]["levels"][1]["error"] = json!(0.25);
+    let error = Visibility::decode(&json, &accessors).unwrap_err();
+    assert!(matches!(error, DecodeError::MeshLevels { entry: 0, .. }), "{error}");
+    let mut json = valid.clone();
+    json["trees"][0]["proxies"] = json!({"visible": true});
+    assert!(matches!(Visibility::decode(&json, &accessors), Err(DecodeError::Json(_))));
 }

@@ -1,15 +1,15 @@
 //! Proxies of all nodes, from the leaves up: those of inner nodes are made of their children's.
 
-use super::geometry::{NodeOptions, Palette, Part, ProxyGeometry, simplify_node};
+use super::Setting;
+use super::geometry::{NodeOptions, Part, ProxyGeometry, simplify_node};
 use super::hierarchy::ProxyHierarchy;
-use super::options::{ProxyMode, ProxyOptions};
+use super::options::ProxyMode;
 use crate::bake::Progress;
 use crate::bake::subject::Subject;
 use crate::bake::tree::{HierarchyNode, Sphere};
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
-use svs_render::Mesh;
 
 /// A leaf's proxy has at most this part of the originals' triangles, else it saves nothing.
 const LEAF_PART: u64 = 4;
@@ -19,6 +19,10 @@ const LEVEL_PART: usize = 6;
 
 /// Levels have at least this many triangles.
 const LEAST_TRIANGLES: usize = 48;
+
+/// Simplified meshes take the place of originals in a proxy if their error is at most this part of the node's radius, or half
+/// of what the finest proxies may have: far less than the proxy's own.
+const UNSEEN: f64 = 0.001;
 
 /// The coarsest proxies of a tree together have at most this share of its triangles, if they can.
 const ROOT_SHARE: f64 = 0.003;
@@ -36,28 +40,25 @@ pub(super) struct Built {
     pub(super) below: Vec<u64>,
 }
 
-/// Makes the proxies; `shown` says which members (document order) are drawn at all.
+/// Makes the proxies.
 pub(super) fn build(
+    setting: &Setting<'_>,
     subject: &Subject,
-    meshes: &[Mesh],
-    palette: &Palette,
     tree: &ProxyHierarchy,
     spheres: &[Sphere],
-    options: &ProxyOptions,
     progress: &dyn Progress,
 ) -> Built {
     let nodes = &tree.hierarchy.nodes;
     let below = below(subject, tree);
     let radius = spheres.first().map_or(0.0, |sphere| sphere.radius);
     let maker = Maker {
+        setting,
         subject,
-        meshes,
-        palette,
+        spheres,
         tree,
         origins: origins(subject, tree, spheres),
         below: &below,
-        options: *options,
-        finest: options.finest_error(radius),
+        finest: setting.options.finest_error(radius),
         all: below.first().copied().unwrap_or(0),
     };
     let mut levels: Vec<Vec<ProxyGeometry>> = vec![Vec::new(); nodes.len()];
@@ -123,13 +124,12 @@ fn origins(subject: &Subject, tree: &ProxyHierarchy, spheres: &[Sphere]) -> Vec<
 
 /// What all nodes are made with.
 struct Maker<'a> {
+    setting: &'a Setting<'a>,
     subject: &'a Subject,
-    meshes: &'a [Mesh],
-    palette: &'a Palette,
+    spheres: &'a [Sphere],
     tree: &'a ProxyHierarchy,
     origins: Vec<DVec3>,
     below: &'a [u64],
-    options: ProxyOptions,
     /// Error that needs no improvement, metres.
     finest: f64,
     /// Triangles of all originals.
@@ -140,9 +140,12 @@ impl Maker<'_> {
     /// All levels of one node.
     fn node(&self, node: usize, made: &[Vec<ProxyGeometry>]) -> Vec<ProxyGeometry> {
         let children = self.children(node);
-        let parts: Vec<Part<'_>> = self
-            .direct(node, &children)
-            .filter_map(|place| self.object(node, place))
+        let objects = self.direct(node, &children).filter_map(|place| self.object(node, place));
+        let (objects, errors): (Vec<Part<'_>>, Vec<f64>) = objects.unzip();
+        // Of simplified meshes among the objects.
+        let own = errors.into_iter().fold(0.0, f64::max);
+        let parts: Vec<Part<'_>> = objects
+            .into_iter()
             .chain(children.iter().filter_map(|&child| {
                 let geometry = made[self.tree.original[child as usize] as usize].first()?;
                 Some(Part::Proxy { geometry, origin: self.origins[child as usize] - self.origins[node] })
@@ -151,24 +154,26 @@ impl Maker<'_> {
         if parts.is_empty() {
             return Vec::new();
         }
-        let mut target = u64::from(self.options.triangles / 2).max(LEAST_TRIANGLES as u64);
+        let mut target = u64::from(self.setting.options.triangles / 2).max(LEAST_TRIANGLES as u64);
         if children.is_empty() {
             target = target.min(self.below[node] / LEAF_PART);
         }
-        let inherited = parts.iter().fold(0.0f64, |largest, part| match part {
+        let inherited = parts.iter().fold(own, |largest: f64, part| match part {
             Part::Proxy { geometry, .. } => largest.max(geometry.error),
             Part::Mesh { .. } => largest,
         });
-        let finest = simplify_node(
+        let mut finest = simplify_node(
             &parts,
-            self.palette,
+            self.setting.palette,
             &NodeOptions {
                 target_triangles: target as usize,
                 tolerance: (self.finest - inherited).max(0.0),
-                visible_only: self.options.mode != ProxyMode::All,
+                visible_only: self.setting.options.mode != ProxyMode::All,
                 ..NodeOptions::default()
             },
         );
+        // What the proxies among the parts differ by is in there already.
+        finest.error += own;
         let mut levels = vec![finest];
         while let Some(coarser) = self.coarser(node, &levels) {
             levels.push(coarser);
@@ -189,8 +194,11 @@ impl Maker<'_> {
             return None;
         }
         let options = NodeOptions { target_triangles: target, visible_only: false, ..NodeOptions::default() };
-        let coarser =
-            simplify_node(&[Part::Proxy { geometry: last, origin: DVec3::ZERO }], self.palette, &options);
+        let coarser = simplify_node(
+            &[Part::Proxy { geometry: last, origin: DVec3::ZERO }],
+            self.setting.palette,
+            &options,
+        );
         (coarser.triangles > 0 && coarser.triangles * 3 <= last.triangles * 2).then_some(coarser)
     }
 
@@ -204,18 +212,28 @@ impl Maker<'_> {
         members.start..children.first().map_or(members.end, |&child| nodes[child as usize].members.start)
     }
 
-    fn object(&self, node: usize, place: u32) -> Option<Part<'_>> {
+    /// An object as a part of a node, and its error in metres: a simplified version of its mesh where nobody will tell.
+    fn object(&self, node: usize, place: u32) -> Option<(Part<'_>, f64)> {
         let part = &self.subject.parts[self.tree.hierarchy.order[place as usize] as usize];
-        let mesh = self.meshes.get(part.mesh as usize)?;
         let to_node = DAffine3::from_translation(-self.origins[node]) * part.to_tree;
-        Some(Part::Mesh { mesh, to_node })
+        // Not smaller than the largest singular value.
+        let scale = part.to_tree.matrix3.to_cols_array().iter().map(|c| c * c).sum::<f64>().sqrt();
+        let allowed = (self.spheres[node].radius * UNSEEN).max(self.finest * 0.5);
+        let levels =
+            self.setting.simplified.get(part.mesh as usize).copied().flatten().map(|mesh| &mesh.levels);
+        let level = levels.into_iter().flatten().rfind(|level| level.error * scale <= allowed);
+        let (mesh, error) = match level {
+            Some(level) => (&level.mesh, level.error * scale),
+            None => (self.setting.meshes.get(part.mesh as usize)?, 0.0),
+        };
+        Some((Part::Mesh { mesh, to_node }, error))
     }
 
     /// Nodes below one that is as good as they need to be, and no larger than a proxy may be.
     fn redundant(&self, levels: &[Vec<ProxyGeometry>]) -> Vec<bool> {
         let nodes = &self.tree.hierarchy.nodes;
         let mut redundant = vec![false; nodes.len()];
-        let target = self.options.triangles as usize / 2;
+        let target = self.setting.options.triangles as usize / 2;
         for node in 0..nodes.len() {
             let finest = levels[self.tree.original[node] as usize].first();
             let is_enough = finest.is_some_and(|g| g.error <= self.finest && g.triangles <= target);

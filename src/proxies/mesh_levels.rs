@@ -14,7 +14,7 @@ const LEAST_TRIANGLES: u64 = 192;
 #[derive(Clone, Debug)]
 pub(super) struct Simplified {
     /// Index into the scene's meshes.
-    mesh: u32,
+    pub(super) mesh: u32,
     /// Its triangles.
     pub(super) triangles: u64,
     /// Objects that have it.

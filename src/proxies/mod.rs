@@ -105,22 +105,27 @@ pub fn bake(
     progress.stage("looks", None);
     let looks = appearance::read(document, scene)?;
     let palette = Palette::new(&looks.data.materials, &looks.data.images);
-    let mut made = Made { trees: Vec::new(), meshes: Vec::new(), without: Vec::new() };
-    for (index, tree) in trees.iter().enumerate() {
-        made.trees.push(make_tree(
-            index,
-            tree,
-            scene,
-            &looks,
-            &palette,
-            options,
-            limit,
-            progress,
-            &mut made.without,
-        ));
-    }
     progress.stage("mesh levels", None);
-    made.meshes = mesh_levels::simplify(scene, trees, &looks.data.meshes, u64::from(options.triangles));
+    let meshes = mesh_levels::simplify(scene, trees, &looks.data.meshes, u64::from(options.triangles));
+    let mut simplified = vec![None; looks.data.meshes.len()];
+    for mesh in &meshes {
+        simplified[mesh.mesh as usize] = Some(mesh);
+    }
+    let setting = Setting {
+        scene,
+        meshes: &looks.data.meshes,
+        simplified: &simplified,
+        palette: &palette,
+        options,
+        limit,
+    };
+    let mut without = Vec::new();
+    let made_trees = trees
+        .iter()
+        .enumerate()
+        .map(|(index, tree)| setting.make(index, tree, progress, &mut without))
+        .collect();
+    let made = Made { trees: made_trees, meshes };
 
     progress.stage("proxies written", None);
     let mut allowed = limit;
@@ -139,7 +144,7 @@ pub fn bake(
         result = made.write(document, scene, trees, &looks, options, &made.choose(trees, 0, options));
     }
     result.report.share = result.report.bytes as f64 / geometry_bytes.max(1) as f64;
-    result.report.without = made.without;
+    result.report.without = without;
     result.report.seconds = start.elapsed().as_secs_f64();
     Ok(result)
 }
@@ -148,7 +153,6 @@ pub fn bake(
 struct Made {
     trees: Vec<Option<MadeTree>>,
     meshes: Vec<Simplified>,
-    without: Vec<String>,
 }
 
 struct MadeTree {
@@ -157,40 +161,45 @@ struct MadeTree {
     built: Built,
 }
 
-#[expect(clippy::too_many_arguments, reason = "one call; a type for it would only be unpacked again")]
-fn make_tree(
-    index: usize,
-    tree: &ProxyTree<'_>,
-    scene: &Scene,
-    looks: &Appearance,
-    palette: &Palette,
-    options: &ProxyOptions,
+/// What all trees are made with.
+struct Setting<'a> {
+    scene: &'a Scene,
+    meshes: &'a [svs_render::Mesh],
+    /// Simplified versions, by mesh.
+    simplified: &'a [Option<&'a Simplified>],
+    palette: &'a Palette,
+    options: &'a ProxyOptions,
+    /// Bytes there are for all trees.
     limit: u64,
-    progress: &dyn Progress,
-    without: &mut Vec<String>,
-) -> Option<MadeTree> {
-    let subject = tree.subject;
-    let drawn: Vec<bool> =
-        subject.objects.iter().map(|&object| !scene.objects[object as usize].hidden).collect();
-    let triangles: u64 = subject
-        .members
-        .iter()
-        .zip(&drawn)
-        .map(|(member, &drawn)| if drawn { u64::from(member.triangles) } else { 0 })
-        .sum();
-    if triangles < LEAST_TREE * u64::from(options.triangles) {
-        without.push(format!("tree {index}: {triangles} triangles are few enough without proxies"));
-        return None;
+}
+
+impl Setting<'_> {
+    /// All proxies of a tree; `None`, and why, if it needs none.
+    fn make(
+        &self,
+        index: usize,
+        tree: &ProxyTree<'_>,
+        progress: &dyn Progress,
+        without: &mut Vec<String>,
+    ) -> Option<MadeTree> {
+        let subject = tree.subject;
+        let drawn: Vec<bool> =
+            subject.objects.iter().map(|&object| !self.scene.objects[object as usize].hidden).collect();
+        let members = subject.members.iter().zip(&drawn).filter(|(_, drawn)| **drawn);
+        let triangles: u64 = members.map(|(member, _)| u64::from(member.triangles)).sum();
+        if triangles < LEAST_TREE * u64::from(self.options.triangles) {
+            without.push(format!("tree {index}: {triangles} triangles are few enough without proxies"));
+            return None;
+        }
+        let uncut = hierarchy::build(subject, &drawn, self.options.triangles);
+        let hierarchy = uncut.cut(leaf_triangles(uncut.distinct, self.limit, self.options));
+        let (members, parts) = (&subject.members, &subject.parts);
+        let spheres = spheres(SphereKind::Tight, &hierarchy.hierarchy, members, parts, &self.scene.meshes);
+        let copies = hierarchy.original.iter().enumerate().filter(|(node, first)| *node as u32 != **first);
+        progress.stage("proxies", Some((hierarchy.original.len() - copies.count()) as u64));
+        let built = build::build(self, subject, &hierarchy, &spheres, progress);
+        Some(MadeTree { hierarchy, spheres, built })
     }
-    let uncut = hierarchy::build(subject, &drawn, options.triangles);
-    let hierarchy = uncut.cut(leaf_triangles(uncut.distinct, limit, options));
-    let spheres =
-        spheres(SphereKind::Tight, &hierarchy.hierarchy, &subject.members, &subject.parts, &scene.meshes);
-    let originals =
-        hierarchy.original.iter().enumerate().filter(|(node, original)| *node as u32 == **original);
-    progress.stage("proxies", Some(originals.count() as u64));
-    let built = build::build(subject, &looks.data.meshes, palette, &hierarchy, &spheres, options, progress);
-    Some(MadeTree { hierarchy, spheres, built })
 }
 
 /// Triangles that leaves stand for: as asked for, or more where there are not the bytes for so many proxies anyway.
@@ -283,7 +292,8 @@ impl Made {
         for ((tree, input), kept) in self.trees.iter().zip(trees).zip(&chosen.trees) {
             let mut encoded = Vec::new();
             if let Some(tree) = tree {
-                let Rows { rows, order } = tables::rows(&tree.hierarchy, &tree.built, &tree.spheres, kept);
+                let Rows { rows, order } =
+                    tables::rows(input.subject, &tree.hierarchy, &tree.built, &tree.spheres, kept);
                 let meshes = write_rows(tree, &rows, &mut encoder, &mut materials, &mut bake.report);
                 if !rows.is_empty() {
                     let mut places = vec![0u32; input.order.len()];

@@ -19,6 +19,9 @@ pub(super) struct Repeats {
     pub(super) copies: Vec<(Range<u32>, u32)>,
 }
 
+/// First groups of the same meshes, with their kinds.
+type Known = Vec<(Range<u32>, u32)>;
+
 /// The outermost repeated groups inside `within` with at least `triangles` each, unless they are only a small part of it.
 pub(super) fn find(subject: &Subject, drawn: &[bool], within: Range<u32>, triangles: u64) -> Repeats {
     let sums = prefix_sums(subject);
@@ -35,7 +38,7 @@ pub(super) fn find(subject: &Subject, drawn: &[bool], within: Range<u32>, triang
         })
         .collect();
     let hashes = Hashes::new(subject);
-    let mut kinds: HashMap<(u32, u64), Vec<(Range<u32>, u32)>> = HashMap::new();
+    let mut kinds: HashMap<(u32, u64), Known> = HashMap::new();
     let mut kind_of: Vec<Option<u32>> = Vec::with_capacity(ranges.len());
     let mut counts: Vec<u32> = Vec::new();
     for range in &ranges {

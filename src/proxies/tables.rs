@@ -5,6 +5,7 @@ use super::geometry::ProxyGeometry;
 use super::hierarchy::ProxyHierarchy;
 use crate::bake::encode::{EncodedTable, floats, integers};
 use crate::bake::prune;
+use crate::bake::subject::Subject;
 use crate::bake::tree::{Hierarchy, Sphere};
 use glam::{DVec3, Vec3};
 
@@ -31,7 +32,13 @@ pub(super) struct Rows {
 }
 
 /// Makes the rows of the nodes of which levels are kept: `kept[node]` are the levels of an original, finest first.
-pub(super) fn rows(tree: &ProxyHierarchy, built: &Built, spheres: &[Sphere], kept: &[Vec<usize>]) -> Rows {
+pub(super) fn rows(
+    subject: &Subject,
+    tree: &ProxyHierarchy,
+    built: &Built,
+    spheres: &[Sphere],
+    kept: &[Vec<usize>],
+) -> Rows {
     let levels_of = |node: usize| &kept[tree.original[node] as usize];
     let keep: Vec<bool> = (0..tree.hierarchy.nodes.len())
         .map(|node| !built.redundant[node] && !levels_of(node).is_empty())
@@ -46,7 +53,7 @@ pub(super) fn rows(tree: &ProxyHierarchy, built: &Built, spheres: &[Sphere], kep
             sizes[parent as usize] += sizes[place];
         }
     }
-    let spheres = nested_spheres(&hierarchy, &nodes, tree, built, spheres, kept);
+    let spheres = nested_spheres(&hierarchy, &nodes, subject, tree, built, spheres, kept);
     let mut rows: Vec<Row> = Vec::new();
     let mut parents: Vec<Option<usize>> = Vec::new();
     let mut last_row = vec![0; nodes.len()];
@@ -86,6 +93,7 @@ pub(super) fn rows(tree: &ProxyHierarchy, built: &Built, spheres: &[Sphere], kep
 fn nested_spheres(
     hierarchy: &Hierarchy,
     nodes: &[usize],
+    subject: &Subject,
     tree: &ProxyHierarchy,
     built: &Built,
     spheres: &[Sphere],
@@ -96,19 +104,56 @@ fn nested_spheres(
         let own = &spheres[node];
         let original = tree.original[node] as usize;
         let origin = built.origins[node].as_vec3().as_dvec3();
-        let center = own.center.as_vec3();
-        let to_origin = origin - center.as_dvec3();
-        let proxies = kept[original].iter().map(|&level| reach(&built.levels[original][level], to_origin));
-        let below = children(&hierarchy.nodes, place).into_iter().map(|child| {
-            let [x, y, z, radius] = stored[child as usize];
-            center.as_dvec3().distance(DVec3::new(x.into(), y.into(), z.into())) + f64::from(radius)
-        });
-        let radius = proxies.chain(below).fold(own.radius, f64::max);
+        let children = children(&hierarchy.nodes, place);
+        let mut balls: Vec<(DVec3, f64)> = children
+            .iter()
+            .map(|&child| {
+                let [x, y, z, radius] = stored[child as usize].map(f64::from);
+                (DVec3::new(x, y, z), radius)
+            })
+            .collect();
+        let reaches = |center: DVec3, balls: &[(DVec3, f64)]| {
+            let proxies =
+                kept[original].iter().map(|&level| reach(&built.levels[original][level], origin - center));
+            let below = balls.iter().map(|(at, radius)| center.distance(*at) + radius);
+            proxies.chain(below).fold(0.0, f64::max)
+        };
+        // About the smallest sphere of the originals; or, if that is smaller, about that of the children's spheres.
+        let mut center = own.center.as_vec3().as_dvec3();
+        let mut radius = reaches(center, &balls).max(own.radius);
+        if let Some(&first) = children.first() {
+            let direct = hierarchy.nodes[place].members.start..hierarchy.nodes[first as usize].members.start;
+            for member in direct.map(|place| hierarchy.order[place as usize]) {
+                let bounds = subject.members[member as usize].bounds;
+                balls.push((bounds.center(), (bounds.max - bounds.min).length() * 0.5));
+            }
+            let other = center_of(&balls, center).as_vec3().as_dvec3();
+            let about_other = reaches(other, &balls);
+            if about_other < radius {
+                (center, radius) = (other, about_other);
+            }
+        }
         // Room for the rounding of those who check it in f32.
-        let radius = up(radius + 1e-6 * (radius + center.as_dvec3().length() * 1e-6));
+        let radius = up(radius + 1e-6 * (radius + center.length() * 1e-6));
+        let center = center.as_vec3();
         stored[place] = [center.x, center.y, center.z, radius];
     }
     stored
+}
+
+/// Steps towards the centre of the smallest ball of balls; the error falls as one over their number.
+const STEPS: u32 = 64;
+
+/// About the centre of the smallest ball that holds `balls`: Badoiu and Clarkson, Smaller Core-Sets for Balls, 2003.
+fn center_of(balls: &[(DVec3, f64)], start: DVec3) -> DVec3 {
+    let mut center = start;
+    for step in 1..=STEPS {
+        let reach = |(at, radius): &(DVec3, f64)| center.distance(*at) + radius;
+        let Some((at, radius)) = balls.iter().max_by(|a, b| reach(a).total_cmp(&reach(b))) else { break };
+        let away = (*at - center).normalize_or_zero();
+        center += (*at + away * *radius - center) / f64::from(step + 1);
+    }
+    center
 }
 
 /// Largest distance of a vertex from a point; `shift` leads from it to the proxy's origin.

@@ -4,7 +4,7 @@
 use super::nested::{entries, is_moving_below};
 use super::places::{Place, PlacedTree};
 use super::report::ValidationReport;
-use super::spheres;
+use super::{proxies, spheres};
 use crate::gltf::Document;
 use crate::scene::Object;
 use serde_json::Value;
@@ -22,11 +22,14 @@ pub(super) fn check(
     report: &mut ValidationReport,
 ) {
     let mut owners = Owners::new();
+    let used = proxies::used_meshes(doc);
+    proxies::check_mesh_levels(doc, extension, &used, report);
     for (index, tree) in trees.iter().enumerate() {
         let Some(tree) = tree else { continue };
         // Object to index of the tree it stands for.
         let nested: HashMap<u32, usize> =
             entries(extension, index).into_iter().map(|entry| (entry.object, entry.tree as usize)).collect();
+        proxies::check_meshes(doc, tree, &used, report);
         let mut first = true;
         for place in tree.places.iter().flatten() {
             if !check_count(tree, place, report) {
@@ -37,6 +40,7 @@ pub(super) fn check(
             // What hangs on the other anchors is the same, or their fingerprints differ.
             if std::mem::take(&mut first) {
                 spheres::check(tree, place, &nested, report);
+                proxies::check_spheres(doc, tree, place, &nested, report);
             }
         }
     }

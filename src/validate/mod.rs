@@ -15,6 +15,9 @@
 //! | `OBJECT_ORDER_DUPLICATE` | Error | the same object twice |
 //! | `LEVEL_ROW_INDEX_OUT_OF_RANGE`, `LEVEL_ROW_PADDING`, `LEVEL_TOO_LARGE` | Error | levels that cannot be |
 //! | `NESTED_CYCLE`, `NESTED_INVALID`, `NESTED_MISPLACED` | Error | a tree within itself; an entry that names what is not there, or twice; an anchor that is not where the outer tree has it |
+//! | `PROXY_SUBTREE_INVALID`, `PROXY_OBJECTS_INVALID`, `PROXY_SPHERE_INVALID`, `PROXY_ERROR_INVALID`, `PROXY_ORIGIN_INVALID`, `PROXY_OBJECT_INVALID` | Error | proxies do not nest; numbers that are not finite, errors that are negative or rise; an order that is no permutation |
+//! | `PROXY_MESH_USED`, `MESH_LEVEL_USED` | Error | a node draws what stands for others |
+//! | `MESH_LEVELS_INVALID`, `MESH_LEVEL_NOT_SIMPLER` | Error | a mesh with two entries, or levels of levels; errors that fall, triangles that do not |
 //! | `TREE_INVALID` | Error | refused by the decoder for another reason |
 //! | `SCENE_UNREADABLE` | Warning | the scene has errors of its own, so trees are not checked against it |
 //! | `ANCHOR_UNREACHABLE`, `ANCHOR_NOT_INVERTIBLE` | Information, Warning | an anchor no scene shows; one whose tree cannot be used |
@@ -22,12 +25,13 @@
 //! | `OBJECT_COUNT_MISMATCH`, `FINGERPRINT_MISMATCH` | Error | the bake is stale |
 //! | `OBJECT_ANIMATED`, `OBJECT_DEFORMS` | Error | an object that must not be in a tree |
 //! | `OBJECT_IN_TWO_TREES` | Error | culled twice |
-//! | `SPHERE_TOO_SMALL` | Warning | a sphere does not hold all vertices below it |
+//! | `SPHERE_TOO_SMALL`, `PROXY_SPHERE_TOO_SMALL` | Warning | a sphere does not hold all vertices below it, or the sphere of a proxy below it |
 
 mod against_scene;
 mod document;
 mod nested;
 mod places;
+mod proxies;
 mod report;
 mod schema;
 mod spheres;

@@ -21,6 +21,10 @@ const FILES: &[(&str, &str)] = schema_files![
     "glTF.EXT_spherical_visibility.schema.json",
     "tree.EXT_spherical_visibility.schema.json",
     "tables.EXT_spherical_visibility.schema.json",
+    "proxies.EXT_spherical_visibility.schema.json",
+    "proxyTables.EXT_spherical_visibility.schema.json",
+    "meshLevels.EXT_spherical_visibility.schema.json",
+    "meshLevel.EXT_spherical_visibility.schema.json",
     "nested.EXT_spherical_visibility.schema.json",
     "recommended.EXT_spherical_visibility.schema.json",
     "fingerprint.EXT_spherical_visibility.schema.json",
@@ -106,12 +110,20 @@ mod tests {
                     "NODE_SPHERE": 1, "NODE_SUBTREE": 2, "NODE_FIRST_OBJECT": 3, "NODE_OBJECT_COUNT": 4,
                     "LEVEL_ROW": 5, "_MINE": 6
                 },
+                "proxies": {
+                    "visible": true,
+                    "tables": {
+                        "PROXY_SPHERE": 1, "PROXY_SUBTREE": 2, "PROXY_FIRST_OBJECT": 3, "PROXY_OBJECT_COUNT": 4,
+                        "PROXY_OBJECT": 5, "PROXY_ERROR": 6, "PROXY_MESH": 7, "PROXY_ORIGIN": 8, "_MINE": 9
+                    }
+                },
                 "nested": [{"object": 3, "tree": 1, "anchor": 0}],
                 "recommended": {"quality": 0.5},
                 "fingerprint": {"triangles": 123456, "hash": "0123456789abcdef"},
                 "extras": {"any": ["thing"]},
                 "unknown": true
             }],
+            "meshLevels": [{"mesh": 0, "levels": [{"mesh": 1, "error": 0.5}]}],
             "extensions": {"VENDOR_x": {}},
             "extras": 1
         })
@@ -171,6 +183,11 @@ mod tests {
             "/trees/0/recommended/quality",
         );
         expect("/trees/0/nested/0/tree", Some(json!(-1)), "VALUE_NOT_IN_RANGE", "/trees/0/nested/0/tree");
+        expect("/trees/0/proxies/visible", None, "UNDEFINED_PROPERTY", "/trees/0/proxies");
+        expect("/trees/0/proxies/tables/PROXY_MESH", None, "UNDEFINED_PROPERTY", "/trees/0/proxies/tables");
+        expect("/meshLevels", Some(json!([])), "EMPTY_ENTITY", "/meshLevels");
+        let at = "/meshLevels/0/levels/0/error";
+        expect(at, Some(json!(-1)), "VALUE_NOT_IN_RANGE", at);
         expect("/trees/0/tables/LEVEL_ROW", None, "UNSATISFIED_DEPENDENCY", "/trees/0/tables");
         expect("/trees/0/tables/_MINE", Some(json!("six")), "TYPE_MISMATCH", "/trees/0/tables/_MINE");
     }

@@ -4,7 +4,7 @@ use super::against_scene::object;
 use super::places::{Place, PlacedTree};
 use super::report::ValidationReport;
 use crate::scene::Mesh;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -23,18 +23,7 @@ pub(super) fn check(
     let nodes = tree.tree.nodes();
     // How far vertices stick out, in units of tree space; 0 if within the tolerance.
     let excess = |node: &svs_runtime::Node| -> f64 {
-        let (center, radius) = (node.center.as_dvec3(), f64::from(node.radius));
-        let allowed = radius + TOLERANCE * (radius + center.abs().max_element());
-        let farthest = node
-            .objects()
-            .filter(|k| !nested.contains_key(k))
-            .map(|k| {
-                let object = object(tree, place, k).1;
-                let mesh = &place.scene.meshes[object.mesh as usize];
-                farthest(mesh, &(place.to_tree * object.to_world), center, allowed)
-            })
-            .fold(0.0, f64::max);
-        if farthest > allowed { farthest - radius } else { 0.0 }
+        excess(tree, place, nested, node.center, node.radius, node.objects())
     };
     let excesses: Vec<f64> = nodes.par_iter().map(excess).collect();
     let outside = excesses.iter().filter(|&&excess| excess > 0.0).count();
@@ -48,6 +37,33 @@ pub(super) fn check(
         );
         report.warning("SPHERE_TOO_SMALL", format!("{}/tables/NODE_SPHERE", tree.at), message);
     }
+}
+
+/// Distance from a sphere's centre that vertices may have.
+pub(super) fn allowed(center: Vec3, radius: f32) -> f64 {
+    let radius = f64::from(radius);
+    radius + TOLERANCE * (radius + center.as_dvec3().abs().max_element())
+}
+
+/// How far objects, given by place in the tree's order, stick out of a sphere; 0 if within the tolerance.
+pub(super) fn excess(
+    tree: &PlacedTree,
+    place: &Place,
+    nested: &HashMap<u32, usize>,
+    center: Vec3,
+    radius: f32,
+    objects: impl Iterator<Item = u32>,
+) -> f64 {
+    let (allowed, center, radius) = (allowed(center, radius), center.as_dvec3(), f64::from(radius));
+    let farthest = objects
+        .filter(|k| !nested.contains_key(k))
+        .map(|k| {
+            let object = object(tree, place, k).1;
+            let mesh = &place.scene.meshes[object.mesh as usize];
+            farthest(mesh, &(place.to_tree * object.to_world), center, allowed)
+        })
+        .fold(0.0, f64::max);
+    if farthest > allowed { farthest - radius } else { 0.0 }
 }
 
 /// Largest distance of the mesh's triangles from `center`, or 0 if the mesh's box shows that it is at most `allowed`.

@@ -81,7 +81,8 @@ fn check_together(
     if json.iter().all(|tree| tree.get("nested").is_none()) {
         return true;
     }
-    let Err(error) = Visibility::decode(extension, tables) else { return true };
+    let trees = json!({ "version": extension["version"], "trees": json });
+    let Err(error) = Visibility::decode(&trees, tables) else { return true };
     match error {
         DecodeError::Tree { tree, source: TreeError::Nested { entry, problem } } if is_cyclic(json) => {
             report.error("NESTED_CYCLE", format!("{}/nested/{entry}", pointer(tree)), sentence(problem));
@@ -133,7 +134,22 @@ fn report_error(error: &DecodeError, tree: usize, report: &mut ValidationReport)
 
 /// Code of an error and where it is, below the tree.
 fn place(error: &TreeError) -> (&'static str, String) {
-    let table = |code, table: &str| (code, format!("/tables/{table}"));
+    let table = |code, table: &str| {
+        let of_proxies = if table.starts_with("PROXY_") { "/proxies" } else { "" };
+        (code, format!("{of_proxies}/tables/{table}"))
+    };
+    // Their nodes are proxies.
+    if let TreeError::Proxies(error) = error {
+        return match &**error {
+            TreeError::Subtree { .. } => table("PROXY_SUBTREE_INVALID", "PROXY_SUBTREE"),
+            TreeError::ObjectRange { .. } => table("PROXY_OBJECTS_INVALID", "PROXY_FIRST_OBJECT"),
+            TreeError::Sphere { .. } => table("PROXY_SPHERE_INVALID", "PROXY_SPHERE"),
+            TreeError::ProxyError { .. } => table("PROXY_ERROR_INVALID", "PROXY_ERROR"),
+            TreeError::ProxyOrigin { .. } => table("PROXY_ORIGIN_INVALID", "PROXY_ORIGIN"),
+            TreeError::ProxyOrder { .. } => table("PROXY_OBJECT_INVALID", "PROXY_OBJECT"),
+            other => place(other),
+        };
+    }
     match error {
         TreeError::Placement => ("ONE_OF_MISMATCH", String::new()),
         TreeError::Directions { .. } => ("UNKNOWN_DIRECTION_SET", "/directions".to_owned()),

@@ -24,9 +24,8 @@ fn vertices(doc: &Document, mesh: u32) -> Vec<DVec3> {
     let positions = primitives.iter().map(|p| p["attributes"]["POSITION"].as_u64().expect("positions"));
     positions
         .flat_map(|accessor| {
-            doc.accessor(accessor as usize).expect("there").read_vec3_f32().expect("positions")
+            doc.accessor(accessor as usize).expect("there").read_vec3_f64().expect("positions")
         })
-        .map(|p| glam::Vec3::from(p).as_dvec3())
         .collect()
 }
 

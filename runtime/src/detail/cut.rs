@@ -41,7 +41,7 @@ pub(crate) struct ObjectView {
     pub(crate) ratio: f64,
     pixels_per_radian: f64,
     /// From the eye to the nearest point of its box, metres.
-    distance: f64,
+    pub(crate) distance: f64,
     /// Index of its first level in its tree's list, and levels that have fewer triangles than the original.
     levels: (u32, u8),
     tree: u32,
@@ -210,12 +210,68 @@ pub(crate) enum Drawn<'a> {
     Object(u32, u8, &'a ObjectView),
 }
 
+/// A proxy that is fine gives way to its parts if these, in their coarsest forms, are fine, too, and have fewer triangles: so
+/// it is where little of what it stands for is visible.
+pub(crate) fn gives_way(
+    scene: &Scene<'_>,
+    layout: &Layout,
+    index: u32,
+    node: u32,
+    view: &View,
+    pending: &mut Vec<u32>,
+) -> bool {
+    let mut left = Some(u64::from(view.triangles));
+    let take = |left: &mut Option<u64>, error: f64, triangles: u32| {
+        let fewer = left.and_then(|left| left.checked_sub(u64::from(triangles)));
+        *left = fewer.filter(|&left| left > 0 && scene.is_fine(error));
+    };
+    pending.clear();
+    let mut at = (index, Some(node));
+    loop {
+        let entry = &layout.entries[at.0 as usize];
+        parts(layout, entry, nodes(scene.placed, entry), at.1, |part| {
+            if left.is_none() {
+                return true;
+            }
+            match part {
+                Part::Proxy(node, slots) => {
+                    let view = scene.view(layout, entry, node, slots);
+                    if let Some(view) = &view {
+                        take(&mut left, view.error, view.triangles);
+                    }
+                    view.is_some()
+                }
+                Part::Slots(slots) => {
+                    for slot in slots {
+                        match layout.slots[slot].content() {
+                            _ if left.is_none() => break,
+                            Content::Guest(guest) => pending.push(guest),
+                            Content::Object(candidate) => {
+                                let object = scene.object(entry, candidate);
+                                let level = scene.coarsest(&object);
+                                let error = scene.level_error(&object, level);
+                                take(&mut left, error, scene.level_triangles(&object, level));
+                            }
+                        }
+                    }
+                    true
+                }
+            }
+        });
+        match pending.pop().filter(|_| left.is_some()) {
+            Some(guest) => at = (guest, None),
+            None => return left.is_some(),
+        }
+    }
+}
+
 /// The cut without a budget: the first proxies from the top that are fine enough, and what is on none of them. `draw` gets
 /// it in order. Returns how many proxies were looked at.
 pub(crate) fn unlimited(
     scene: &Scene<'_>,
     layout: &Layout,
     states: &mut States,
+    pending: &mut Vec<u32>,
     mut draw: impl FnMut(&Entry, Drawn<'_>),
 ) -> usize {
     let mut visited = 0;
@@ -226,7 +282,9 @@ pub(crate) fn unlimited(
         parts(layout, entry, nodes(scene.placed, entry), None, |part| match part {
             Part::Proxy(node, slots) => {
                 visited += 1;
-                let view = scene.view(layout, entry, node, slots).filter(|view| scene.is_fine(view.error));
+                let view = scene.view(layout, entry, node, slots).filter(|view| {
+                    scene.is_fine(view.error) && !gives_way(scene, layout, index as u32, node, view, pending)
+                });
                 let state = &mut states.nodes[(entry.nodes + node) as usize];
                 *state = if view.is_some() { NodeState::Drawn } else { NodeState::Refined };
                 if let Some(view) = &view {

@@ -147,7 +147,9 @@ impl SceneCuller {
         let Frame { layout, states } = &mut state.frame;
         states.reset(layout);
         let mut output = Output::new(&scene, &mut state.selected);
-        let mut visited = cut::unlimited(&scene, layout, states, |entry, drawn| output.draw(entry, &drawn));
+        let pending = state.search.pending();
+        let mut visited =
+            cut::unlimited(&scene, layout, states, pending, |entry, drawn| output.draw(entry, &drawn));
         if let Some(capacity) = capacity.filter(|capacity| !capacity.fits(output.load)) {
             states.reset(layout);
             let mut searching = Searching {
@@ -236,3 +238,9 @@ impl<'a> Output<'a> {
         self.statistics.triangles = self.load.triangles;
     }
 }
+
+#[cfg(test)]
+mod tests;
+
+#[cfg(test)]
+mod specification;

@@ -3,8 +3,8 @@
 //! A greedy search over cuts, as in Funkhouser and Séquin, *Adaptive Display Algorithm for Interactive Frame Rates*, 1993. What
 //! a cut loses is the sum over what is visible of its pixels times [`loss`] of its visible error, 1 where nothing is drawn.
 
-use super::cut::{ObjectView, Part, Scene, View, nodes, parts};
-use super::frame::{Content, DROPPED, Entry, Frame, Layout, NodeState, States};
+use super::cut::{ObjectView, Part, Scene, View, gives_way, nodes, parts};
+use super::frame::{COVERED, Content, DROPPED, Entry, Frame, Layout, NodeState, States};
 use super::metric::loss;
 use crate::budget::{Capacity, Load};
 use crate::select::Selector;
@@ -70,6 +70,13 @@ pub(crate) struct Search {
     /// Entries whose parts are still to be looked at.
     pending: Vec<u32>,
     pending_inner: Vec<u32>,
+}
+
+impl Search {
+    /// Memory for a list of entries.
+    pub(crate) fn pending(&mut self) -> &mut Vec<u32> {
+        &mut self.pending
+    }
 }
 
 /// One search.
@@ -214,13 +221,13 @@ impl Searching<'_> {
         heap.extend(step);
     }
 
-    /// The refinement of a drawn proxy, unless it is fine enough.
+    /// The refinement of a drawn proxy, unless it is fine enough and does not give way to its parts.
     fn proxy_step(&mut self, index: u32, node: u32, view: &View, pending: &mut Vec<u32>) -> Option<Step> {
-        if self.scene.is_fine(view.error) {
+        let (scene, layout) = (self.scene, self.layout);
+        if scene.is_fine(view.error) && !gives_way(scene, layout, index, node, view, pending) {
             return None;
         }
         let (mut triangles, mut draws, mut lost) = (-i64::from(view.triangles), -1, 0.0);
-        let (scene, layout) = (self.scene, self.layout);
         let visited = &mut self.visited;
         pending.clear();
         let mut at = (index, Some(node));
@@ -264,19 +271,27 @@ impl Searching<'_> {
         Some(Step { worth, triangles, draws, entry: index, target: Target::Proxy(node), level: 0 })
     }
 
-    /// The next finer level of an object, unless it is fine enough.
+    /// The refinement of an object that shows most for what it costs, unless its level is fine enough: to any finer level up
+    /// to the first that is.
     fn level_step(&self, index: u32, slot: u32, level: u8, object: &ObjectView) -> Option<Step> {
-        let error = self.scene.level_error(object, level);
-        if level == 0 || self.scene.is_fine(error) {
-            return None;
-        }
-        let finer = self.scene.finer(object, level);
-        let benefit = object.pixels * (loss(error) - loss(self.scene.level_error(object, finer)));
         let entry = &self.layout.entries[index as usize];
-        let triangles = i64::from(self.scene.level_triangles(object, finer))
-            - i64::from(self.scene.level_triangles(object, level));
-        let worth = self.worth(benefit, self.was_finer(entry, slot, level), triangles, 0);
-        Some(Step { worth, triangles, draws: 0, entry: index, target: Target::Slot(slot), level: finer })
+        let (error, triangles) =
+            (self.scene.level_error(object, level), i64::from(self.scene.level_triangles(object, level)));
+        let again = self.finest_before(entry, slot);
+        let mut best: Option<Step> = None;
+        let mut finer = level;
+        while finer > 0 && !self.scene.is_fine(self.scene.level_error(object, finer)) {
+            finer = self.scene.finer(object, finer);
+            let benefit = object.pixels * (loss(error) - loss(self.scene.level_error(object, finer)));
+            let triangles = i64::from(self.scene.level_triangles(object, finer)) - triangles;
+            let worth = self.worth(benefit, again.is_some_and(|before| before <= finer), triangles, 0);
+            // Of equally worthy ones the finest.
+            if best.is_none_or(|best| worth >= best.worth) {
+                let target = Target::Slot(slot);
+                best = Some(Step { worth, triangles, draws: 0, entry: index, target, level: finer });
+            }
+        }
+        best
     }
 
     fn worth(&self, benefit: f64, again: bool, triangles: i64, draws: i64) -> f64 {
@@ -354,11 +369,11 @@ impl Searching<'_> {
         before.node_state(entry.placed, node) == Some(NodeState::Refined) && self.is_still(entry, node)
     }
 
-    fn was_finer(&self, entry: &Entry, slot: u32, level: u8) -> bool {
-        let Some(before) = self.before else { return false };
+    /// Level at which an object was drawn in the last frame.
+    fn finest_before(&self, entry: &Entry, slot: u32) -> Option<u8> {
         let position = self.layout.slots[slot as usize].position;
-        before.slot_state(entry.placed, position).is_some_and(|state| state < level)
-            && self.is_slot_still(slot)
+        let state = self.before?.slot_state(entry.placed, position)?;
+        (state < COVERED && self.is_slot_still(slot)).then_some(state)
     }
 
     fn is_still(&self, entry: &Entry, node: u32) -> bool {

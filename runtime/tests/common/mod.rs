@@ -4,7 +4,9 @@
 use glam::{DMat4, DVec3, Vec3};
 use serde_json::{Value, json};
 use svs_runtime::encode::{importance_code, level_bits_for, palette};
-use svs_runtime::{AccessorSource, AccessorView, Bounds, Camera, DirectionSet, Placement, TreeTables};
+use svs_runtime::{
+    AccessorSource, AccessorView, Bounds, Camera, DirectionSet, Placement, ProxyTables, TreeTables,
+};
 
 /// splitmix64: the same numbers everywhere.
 #[derive(Clone)]
@@ -231,10 +233,47 @@ pub(crate) fn encode(tables: &TreeTables, accessors: &mut Accessors) -> Value {
             .collect::<Vec<_>>()
             .into();
     }
+    if let Some(proxies) = &tables.proxies {
+        tree["proxies"] = encode_proxies(proxies, accessors);
+    }
     if let Some(quality) = tables.recommended_quality {
         tree["recommended"] = json!({ "quality": quality });
     }
     tree
+}
+
+fn encode_proxies(proxies: &ProxyTables, accessors: &mut Accessors) -> Value {
+    let floats = |values: &mut dyn Iterator<Item = &f32>| values.flat_map(|v| v.to_le_bytes()).collect();
+    let count = proxies.sphere.len();
+    let mut names = json!({
+        "PROXY_SPHERE": accessors.add(floats(&mut proxies.sphere.iter().flatten()), 5126, 4, count),
+        "PROXY_SUBTREE": accessors.integers(&proxies.subtree),
+        "PROXY_FIRST_OBJECT": accessors.integers(&proxies.first_object),
+        "PROXY_OBJECT_COUNT": accessors.integers(&proxies.object_count),
+        "PROXY_ERROR": accessors.add(floats(&mut proxies.error.iter()), 5126, 1, count),
+        "PROXY_MESH": accessors.integers(&proxies.mesh),
+        "PROXY_ORIGIN": accessors.add(floats(&mut proxies.origin.iter().flatten()), 5126, 3, count),
+    });
+    if let Some(object) = &proxies.object {
+        names["PROXY_OBJECT"] = json!(accessors.integers(object));
+    }
+    json!({"visible": proxies.visible, "tables": names})
+}
+
+/// A root with two proxies below it over all objects but the first, in reverse order.
+pub(crate) fn some_proxies(object_count: u32) -> ProxyTables {
+    let rest = object_count - 1;
+    ProxyTables {
+        visible: true,
+        sphere: vec![[0.0, 0.0, 0.0, 30.0], [1.0, 0.0, 0.0, 20.0], [-1.0, 0.0, 0.0, 20.0]],
+        subtree: vec![3, 1, 1],
+        first_object: vec![1, 1, 1 + rest / 2],
+        object_count: vec![rest, rest / 2, rest - rest / 2],
+        object: Some((0..object_count).rev().collect()),
+        error: vec![0.5, 0.1, 0.2],
+        mesh: vec![9, 10, 10],
+        origin: vec![[0.0; 3], [1.0, 2.0, 3.0], [0.0; 3]],
+    }
 }
 
 pub(crate) fn extension(trees: Vec<Value>) -> Value {

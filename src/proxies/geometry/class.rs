@@ -3,9 +3,9 @@
 use svs_render::{AlphaMode, Material, Primitive};
 
 /// Steps of the metallic value.
-const METALLIC_STEPS: f32 = 4.0;
+const METALLIC_STEPS: f32 = 20.0;
 /// Steps of roughness.
-const ROUGHNESS_STEPS: f32 = 8.0;
+const ROUGHNESS_STEPS: f32 = 20.0;
 /// Steps of each emissive channel, per 1.
 const EMISSIVE_STEPS: f32 = 15.0;
 
@@ -36,9 +36,9 @@ pub struct PlainClass {
     pub double_sided: bool,
     /// Shown as it is, without light.
     pub unlit: bool,
-    /// Metallic value in quarters.
+    /// Metallic value in twentieths.
     pub metallic: u8,
-    /// Roughness in eighths.
+    /// Roughness in twentieths.
     pub roughness: u8,
     /// Linear emitted colour in fifteenths, at most 17 times 1.
     pub emissive: [u8; 3],

@@ -2,7 +2,7 @@
 
 use super::class::Class;
 use super::measure::Reference;
-use super::node::{choose, surface};
+use super::node::choose;
 use super::soup::Soup;
 use super::weld::weld;
 use svs_render::{Mesh, Primitive};
@@ -49,7 +49,7 @@ pub fn simplify_mesh_levels(mesh: &Mesh, options: &LevelOptions) -> Vec<MeshLeve
     if (before as f64 * share) < options.least_triangles as f64 {
         return levels;
     }
-    let reference = Reference::new(surface(&current), options.samples);
+    let reference = Reference::of_soup(&current, options.samples);
     let largest = options.largest_error * reference.diagonal();
     while levels.len() < options.most_levels {
         let target = (before as f64 * share) as usize;

@@ -3,8 +3,9 @@
 //! The maximum is an estimate of the Hausdorff distance from samples and vertices (Cignoni, Rocchini, Scopigno: Metro,
 //! 1998): never above it, and below it only by what lies between the samples.
 
+use super::likeness::{TriangleLook, looks};
 use super::sequence::{square, weights};
-use super::soup::area;
+use super::soup::{Soup, area};
 use super::tree::TriangleTree;
 use glam::{DVec3, Vec3A};
 use obvhs::triangle::Triangle;
@@ -41,19 +42,35 @@ pub(super) struct Reference {
     points: Points,
     samples: usize,
     diagonal: f64,
+    /// By triangle; empty if only geometry counts.
+    looks: Vec<TriangleLook>,
 }
 
-/// Sample points: the first `by_area` are spread by area, the others are vertices.
+/// Sample points: as many as there are `triangles` are spread by area, the others are vertices.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Points {
-    pub(super) points: Vec<[f32; 3]>,
-    pub(super) by_area: usize,
+struct Points {
+    points: Vec<[f32; 3]>,
+    /// Where the area samples are.
+    triangles: Vec<u32>,
+}
+
+/// One way of a comparison.
+struct OneWay {
+    deviation: Deviation,
+    /// By area sample: nearest triangle of the other surface.
+    nearest: Vec<u32>,
 }
 
 impl Reference {
-    pub(super) fn new(surface: Surface<'_>, samples: usize) -> Self {
+    fn new(surface: Surface<'_>, samples: usize) -> Self {
         let tree = TriangleTree::new(&surface.triangles());
-        Self { tree, points: surface.samples(samples), samples, diagonal: surface.diagonal() }
+        let points = surface.samples(samples);
+        Self { tree, points, samples, diagonal: surface.diagonal(), looks: Vec::new() }
+    }
+
+    /// An original whose looks count too.
+    pub(super) fn of_soup(soup: &Soup, samples: usize) -> Self {
+        Self { looks: looks(soup), ..Self::new(soup.surface(), samples) }
     }
 
     /// Diagonal of its box, metres.
@@ -61,31 +78,63 @@ impl Reference {
         self.diagonal
     }
 
-    pub(super) fn deviation(&self, simplified: Surface<'_>) -> Deviation {
+    fn deviation(&self, simplified: Surface<'_>) -> Deviation {
+        let (deviation, _, _) = self.both_ways(simplified);
+        deviation
+    }
+
+    /// How far a simplified version is off, and how different it looks, from 0 to 1.
+    pub(super) fn compare(&self, simplified: &Soup) -> (Deviation, f64) {
+        let (deviation, there, back) = self.both_ways(simplified.surface());
+        let (Some(there), Some((points, back))) = (there, back) else { return (deviation, 1.0) };
+        let others = looks(simplified);
+        let look = |own: &[u32], other: &[u32], a: &[TriangleLook], b: &[TriangleLook]| {
+            let (mut sum, mut count) = (0.0f64, 0.0f64);
+            for (&i, &j) in own.iter().zip(other) {
+                if let (Some(a), Some(b)) = (a.get(i as usize), b.get(j as usize)) {
+                    sum += f64::from(a.difference(b));
+                    count += 1.0;
+                }
+            }
+            if count > 0.0 { sum / count } else { 0.0 }
+        };
+        let there = look(&self.points.triangles, &there.nearest, &self.looks, &others);
+        let back = look(&points.triangles, &back.nearest, &others, &self.looks);
+        (deviation, there.max(back))
+    }
+
+    fn both_ways(&self, simplified: Surface<'_>) -> (Deviation, Option<OneWay>, Option<(Points, OneWay)>) {
         let there = one_way(&self.points, &TriangleTree::new(&simplified.triangles()));
-        let back = one_way(&simplified.samples(self.samples), &self.tree);
-        match (there, back) {
-            (Some(a), Some(b)) => Deviation { max: a.max.max(b.max), mean: a.mean.max(b.mean) },
+        let points = simplified.samples(self.samples);
+        let back = one_way(&points, &self.tree);
+        let deviation = match (&there, &back) {
+            (Some(OneWay { deviation: a, .. }), Some(OneWay { deviation: b, .. })) => {
+                Deviation { max: a.max.max(b.max), mean: a.mean.max(b.mean) }
+            }
             // One of the two is empty, or both are.
             _ => {
                 let missing = self.diagonal.max(simplified.diagonal());
                 Deviation { max: missing, mean: missing }
             }
-        }
+        };
+        (deviation, there, back.map(|back| (points, back)))
     }
 }
 
 /// Distances of points from a surface; `None` if either is empty.
-pub(super) fn one_way(points: &Points, tree: &TriangleTree) -> Option<Deviation> {
-    let distances: Vec<f32> = points
+fn one_way(points: &Points, tree: &TriangleTree) -> Option<OneWay> {
+    let nearest: Vec<(f32, u32)> = points
         .points
         .par_iter()
         .with_min_len(64)
-        .map_init(Vec::new, |stack, &point| tree.nearest(Vec3A::from(point), stack).map(|(d, _)| d))
+        .map_init(Vec::new, |stack, &point| tree.nearest(Vec3A::from(point), stack))
         .collect::<Option<_>>()?;
-    let max = distances.iter().copied().reduce(f32::max)?;
-    let sum: f64 = distances[..points.by_area].iter().map(|&d| f64::from(d)).sum();
-    Some(Deviation { max: f64::from(max), mean: sum / points.by_area.max(1) as f64 })
+    let max = nearest.iter().map(|&(distance, _)| distance).reduce(f32::max)?;
+    let by_area = &nearest[..points.triangles.len()];
+    let sum: f64 = by_area.iter().map(|&(distance, _)| f64::from(distance)).sum();
+    let mean = sum / by_area.len().max(1) as f64;
+    let nearest = by_area.iter().map(|&(_, triangle)| triangle).collect();
+    Some(OneWay { deviation: Deviation { max: f64::from(max), mean }, nearest })
 }
 
 impl Surface<'_> {
@@ -95,7 +144,7 @@ impl Surface<'_> {
         all.filter(move |corners| corners.iter().all(|&v| v < count))
     }
 
-    pub(super) fn triangles(&self) -> Vec<Triangle> {
+    fn triangles(&self) -> Vec<Triangle> {
         let triangle = |corners: [usize; 3]| {
             let [v0, v1, v2] = corners.map(|v| Vec3A::from(self.positions[v]));
             Triangle { v0, v1, v2 }
@@ -114,7 +163,7 @@ impl Surface<'_> {
     }
 
     /// `count` points spread by area and at most as many vertices, evenly chosen.
-    pub(super) fn samples(&self, count: usize) -> Points {
+    fn samples(&self, count: usize) -> Points {
         let corners: Vec<[usize; 3]> = self.corners().collect();
         let mut sums = Vec::with_capacity(corners.len());
         let mut total = 0.0f64;
@@ -122,7 +171,7 @@ impl Surface<'_> {
             total += area(corners.map(|v| self.positions[v]));
             sums.push(total);
         }
-        let mut points = Vec::new();
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
         if total > 0.0 && total.is_finite() {
             for i in 0..count {
                 let at = (i as f64 + 0.5) / count as f64 * total;
@@ -135,14 +184,14 @@ impl Surface<'_> {
                     }
                 }
                 points.push(point.map(|c| c as f32));
+                triangles.push(triangle as u32);
             }
         }
-        let by_area = points.len();
         let mut used = vec![false; self.positions.len()];
         let vertices: Vec<usize> =
             corners.iter().flatten().copied().filter(|&v| !std::mem::replace(&mut used[v], true)).collect();
         let chosen = count.min(vertices.len());
         points.extend((0..chosen).map(|i| self.positions[vertices[i * vertices.len() / chosen]]));
-        Points { points, by_area }
+        Points { points, triangles }
     }
 }

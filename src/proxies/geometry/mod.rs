@@ -7,6 +7,7 @@
 mod class;
 mod gather;
 mod levels;
+mod likeness;
 mod measure;
 mod node;
 mod palette;

@@ -5,6 +5,7 @@ use super::soup::{Soup, area};
 use super::weld::weld;
 use glam::Vec3;
 use meshopt::{SimplifyOptions, SimplifyVertex, VertexDataAdapter};
+use std::collections::HashMap;
 
 /// Weight of normals (unit vectors) against positions (as parts of the mesh's size).
 const NORMAL_WEIGHT: f32 = 0.2;
@@ -12,6 +13,9 @@ const NORMAL_WEIGHT: f32 = 0.2;
 const COLOR_WEIGHT: f32 = 0.3;
 /// Weight of texture coordinates.
 const UV_WEIGHT: f32 = 0.5;
+
+/// A vertex normal that is further off its triangle than this (cosine) was carried around an edge: it would be a dark spot.
+const LEAST_AGREEMENT: f32 = 0.5;
 
 /// How triangles were reduced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -137,9 +141,12 @@ fn cluster(soup: &Soup, target: usize) -> Soup {
     tidy(soup, indices)
 }
 
-/// Triangles without area go; a triangle whose corners are of several classes takes the first one's.
+/// Triangles without area go; a triangle whose corners are of several classes takes the first one's; normals that do not
+/// fit their triangle any more become the triangle's.
 fn tidy(soup: &Soup, indices: Vec<u32>) -> Soup {
     let mut out = soup.with_indices(Vec::with_capacity(indices.len()));
+    // By vertex and direction, coarsely: copies with the normal of a face.
+    let mut turned: HashMap<(u32, [i8; 3]), u32> = HashMap::new();
     for corners in indices.chunks_exact(3) {
         let mut corners = [corners[0], corners[1], corners[2]];
         let positions = corners.map(|v| soup.positions[v as usize]);
@@ -152,13 +159,17 @@ fn tidy(soup: &Soup, indices: Vec<u32>) -> Soup {
                 *vertex = out.push_copy(*vertex as usize, class);
             }
         }
-        // Normals belong to classes that are not flat.
         if !out.classes[class as usize].is_flat() {
-            for vertex in corners {
-                if out.normals[vertex as usize] == [0.0; 3] {
-                    let [a, b, c] = positions.map(Vec3::from_array);
-                    out.normals[vertex as usize] =
-                        (b - a).cross(c - a).try_normalize().unwrap_or(Vec3::Y).to_array();
+            let [a, b, c] = positions.map(Vec3::from_array);
+            let face = (b - a).cross(c - a).try_normalize().unwrap_or(Vec3::Y);
+            for vertex in &mut corners {
+                if Vec3::from_array(out.normals[*vertex as usize]).dot(face) < LEAST_AGREEMENT {
+                    let key = (*vertex, (face * 15.0).round().as_i8vec3().to_array());
+                    *vertex = *turned.entry(key).or_insert_with(|| {
+                        let copy = out.push_copy(*vertex as usize, class);
+                        out.normals[copy as usize] = face.to_array();
+                        copy
+                    });
                 }
             }
         }

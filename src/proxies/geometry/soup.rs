@@ -1,6 +1,7 @@
 //! All triangles of a node in one list: classes are kept apart by vertices, which belong to one class each.
 
 use super::class::{Class, ClassMesh};
+use super::measure::Surface;
 use glam::Vec3;
 
 /// Triangles with everything that their vertices carry. All vertex vectors are of one length.
@@ -39,6 +40,11 @@ impl Soup {
     /// Square metres of a triangle.
     pub(super) fn area(&self, triangle: usize) -> f64 {
         area(self.corners(triangle).map(|v| self.positions[v as usize]))
+    }
+
+    /// Its triangles alone.
+    pub(super) fn surface(&self) -> Surface<'_> {
+        Surface { positions: &self.positions, indices: &self.indices }
     }
 
     /// The same vertices with other triangles.

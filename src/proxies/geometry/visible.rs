@@ -10,13 +10,13 @@ use super::tree::TriangleTree;
 use glam::DVec3;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Lines through the sphere: at least this many …
-const LEAST_LINES: usize = 16_384;
+const LEAST_LINES: usize = 2048;
 /// … and this many per triangle, but no more than …
-const LINES_PER_TRIANGLE: usize = 8;
+const LINES_PER_TRIANGLE: usize = 2;
 /// … this many.
 const MOST_LINES: usize = 1 << 20;
 
@@ -40,15 +40,15 @@ pub(super) fn visible_triangles(soup: &Soup, palette: &Palette) -> Vec<bool> {
     let Some(scene) = Rays::new(soup, palette) else { return Vec::new() };
     let seen: Vec<AtomicBool> = (0..soup.triangle_count()).map(|_| AtomicBool::new(false)).collect();
     let lines = (soup.triangle_count().saturating_mul(LINES_PER_TRIANGLE)).clamp(LEAST_LINES, MOST_LINES);
-    (0..lines).into_par_iter().with_min_len(256).for_each_init(Vec::new, |hits, index| {
+    (0..lines).into_par_iter().with_min_len(256).for_each_init(Vec::new, |met, index| {
         let [u, v, x, y] = cube4(index);
         let along = direction([u, v]);
         let (right, up) = along.any_orthonormal_pair();
         let (sin, cos) = (std::f64::consts::TAU * y).sin_cos();
         let offset = (right * cos + up * sin) * x.sqrt();
         for along in [along, -along] {
-            scene.look(offset - along * 1.01, along, hits);
-            for &triangle in hits.iter() {
+            let nearest = scene.look(offset - along * 1.01, along, met);
+            for &(_, triangle) in met.iter().filter(|&&(t, _)| t <= nearest + TOUCHING) {
                 seen[triangle as usize].store(true, Ordering::Relaxed);
             }
         }
@@ -105,10 +105,10 @@ impl Rays {
         Some(Self { tree: TriangleTree::new(&triangles), triangles, flags })
     }
 
-    /// Collects what a viewer sees along a ray: the nearest occluder, what touches it and what is in front of it.
-    fn look(&self, origin: DVec3, along: DVec3, seen: &mut Vec<u32>) {
-        seen.clear();
-        let mut met: Vec<(f32, u32)> = Vec::new();
+    /// Collects what a viewer meets along a ray up to the nearest occluder, and some behind it, as parameter and triangle;
+    /// returns the parameter of that occluder.
+    fn look(&self, origin: DVec3, along: DVec3, met: &mut Vec<(f32, u32)>) -> f32 {
+        met.clear();
         let mut nearest = f32::INFINITY;
         self.tree.trace(origin.as_vec3a(), along.as_vec3a(), f32::INFINITY, |t, index, front| {
             let flags = self.flags[index as usize];
@@ -120,7 +120,7 @@ impl Rays {
             }
             nearest + TOUCHING
         });
-        seen.extend(met.iter().filter(|&&(t, _)| t <= nearest + TOUCHING).map(|&(_, index)| index));
+        nearest
     }
 
     /// Whether some ray from a triangle gets out.
@@ -156,17 +156,10 @@ impl Rays {
     }
 }
 
-/// Adds the triangles that share an edge with a chosen one: samples miss slivers, and simplification needs whole borders.
+/// Adds the triangles that share a corner with a chosen one: samples miss slivers and what shows through narrow gaps, and
+/// simplification needs whole borders.
 fn dilated(soup: &Soup, chosen: &[bool]) -> Vec<bool> {
-    let edges = |t: usize| {
-        let corners = soup.corners(t).map(|v| soup.positions[v as usize].map(f32::to_bits));
-        [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (corners[a].min(corners[b]), corners[a].max(corners[b])))
-    };
-    let mut next_to_chosen: HashMap<([u32; 3], [u32; 3]), ()> = HashMap::new();
-    for t in (0..chosen.len()).filter(|&t| chosen[t]) {
-        next_to_chosen.extend(edges(t).map(|edge| (edge, ())));
-    }
-    (0..chosen.len())
-        .map(|t| chosen[t] || edges(t).iter().any(|edge| next_to_chosen.contains_key(edge)))
-        .collect()
+    let corners = |t: usize| soup.corners(t).map(|v| soup.positions[v as usize].map(f32::to_bits));
+    let touched: HashSet<[u32; 3]> = (0..chosen.len()).filter(|&t| chosen[t]).flat_map(corners).collect();
+    (0..chosen.len()).map(|t| chosen[t] || corners(t).iter().any(|corner| touched.contains(corner))).collect()
 }

@@ -1,6 +1,7 @@
 //! One document for each code, and clean ones.
 
 mod properties;
+mod proxies;
 mod sample;
 mod specification;
 
@@ -14,6 +15,7 @@ const TREE: &str = "/extensions/EXT_spherical_visibility/trees/0";
 fn the_examples_are_clean() {
     assert_eq!(Sample::example().validate().issues, []);
     assert_eq!(Sample::nested().validate().issues, []);
+    assert_eq!(Sample::with_proxies().validate().issues, []);
 }
 
 #[test]

@@ -85,6 +85,41 @@ impl Sample {
         sample
     }
 
+    /// The example with mesh 0 simplified to mesh 1, and with three proxies of mesh 1: a root, and below it one for objects
+    /// 0 and 1 and one for objects 2 and 3, in reverse order.
+    pub(super) fn with_proxies() -> Self {
+        let mut sample = Self::example();
+        let two = json!([{"attributes": {"POSITION": 0}}, {"attributes": {"POSITION": 0}}]);
+        sample.json["meshes"] =
+            json!([{"primitives": two}, {"primitives": [{"attributes": {"POSITION": 0}}]}]);
+        sample.tree(0)["fingerprint"] = print(&[(0, 2), (1, 2), (2, 2), (3, 2)]);
+        sample.extension()["meshLevels"] = json!([{"mesh": 0, "levels": [{"mesh": 1, "error": 0.5}]}]);
+        sample.tree(0)["proxies"] = json!({"visible": true, "tables": {}});
+        sample.proxy_floats(
+            "PROXY_SPHERE",
+            "VEC4",
+            &[[2.5, 0.5, 0.0, 3.0], [4.0, 0.5, 0.0, 1.25], [1.0, 0.5, 0.0, 1.25]].concat(),
+        );
+        sample.proxy_floats("PROXY_ERROR", "SCALAR", &[0.5, 0.25, 0.5]);
+        sample.proxy_floats("PROXY_ORIGIN", "VEC3", &[[1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0; 3]].concat());
+        sample.proxy_bytes("PROXY_SUBTREE", &[3, 1, 1]);
+        sample.proxy_bytes("PROXY_FIRST_OBJECT", &[0, 0, 2]);
+        sample.proxy_bytes("PROXY_OBJECT_COUNT", &[4, 2, 2]);
+        sample.proxy_bytes("PROXY_OBJECT", &[3, 2, 1, 0]);
+        sample.proxy_bytes("PROXY_MESH", &[1, 1, 1]);
+        sample
+    }
+
+    pub(super) fn proxy_floats(&mut self, name: &str, kind: &str, values: &[f32]) {
+        let index = self.accessor(&floats(values), 5126, kind);
+        self.tree(0)["proxies"]["tables"][name] = json!(index);
+    }
+
+    pub(super) fn proxy_bytes(&mut self, name: &str, values: &[u8]) {
+        let index = self.accessor(values, 5121, "SCALAR");
+        self.tree(0)["proxies"]["tables"][name] = json!(index);
+    }
+
     pub(super) fn extension(&mut self) -> &mut Value {
         &mut self.json["extensions"]["EXT_spherical_visibility"]
     }
