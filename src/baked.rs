@@ -6,6 +6,7 @@ use crate::gltf::{Document, DocumentTables};
 use crate::scene::{ReadOptions, Role, Scene, SceneError, read_scene};
 use glam::{DAffine3, DVec3, Vec3};
 use serde::Deserialize;
+use serde_json::Value;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -46,6 +47,8 @@ pub(crate) struct Baked {
     visibility: Visibility,
     /// For each tree its anchors.
     anchors: Vec<Vec<Anchor>>,
+    /// Why its proxies and simplified meshes were left out, if there are any.
+    broken_proxies: Option<DecodeError>,
 }
 
 /// One place of a tree.
@@ -58,12 +61,20 @@ struct Anchor {
 
 impl Baked {
     /// Decodes the extension of `doc` and reads the scene that its first tree with a scene names, else the default
-    /// one.
+    /// one. If nothing but its proxies is broken, they are left out, see [`Self::broken_proxies`].
     pub(crate) fn read(doc: &Document) -> Result<(Scene, Self), BakedError> {
         let json = doc.json.get("extensions").and_then(|all| all.get(EXTENSION_NAME));
         let json = json.ok_or(BakedError::NotBaked)?;
-        let extension = Extension::deserialize(json).map_err(svs_runtime::DecodeError::from)?;
-        let visibility = Visibility::decode(json, &DocumentTables::of_extension(doc, &extension))?;
+        let (extension, visibility, broken_proxies) = match decode(doc, json) {
+            Ok((extension, visibility)) => (extension, visibility, None),
+            Err(error) => {
+                let bare = without_proxies(json).ok_or(()).and_then(|json| decode(doc, &json).map_err(drop));
+                match bare {
+                    Ok((extension, visibility)) => (extension, visibility, Some(error)),
+                    Err(()) => return Err(error.into()),
+                }
+            }
+        };
         let index = extension.trees.iter().find_map(|tree| tree.scene);
         let index = index.map(|index| index as usize);
         let scene = read_scene(doc, &ReadOptions { scene: index, ..ReadOptions::default() })?;
@@ -86,7 +97,7 @@ impl Baked {
                 .collect(),
         };
         let anchors = visibility.trees().iter().map(|tree| place(tree.placement())).collect();
-        let baked = Self { visibility, anchors };
+        let baked = Self { visibility, anchors, broken_proxies };
         baked.check(&scene)?;
         Ok((scene, baked))
     }
@@ -120,9 +131,40 @@ impl Baked {
     }
 
     /// The trees, in the order of the file.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub(crate) fn trees(&self) -> &[Arc<Tree>] {
         self.visibility.trees()
+    }
+
+    /// What was decoded.
+    pub(crate) fn visibility(&self) -> &Visibility {
+        &self.visibility
+    }
+
+    /// Why the file's proxies and simplified meshes were left out.
+    pub(crate) fn broken_proxies(&self) -> Option<&DecodeError> {
+        self.broken_proxies.as_ref()
+    }
+
+    /// Where the scene shows a tree: the indices of its anchors, and their transforms from tree space to world space.
+    pub(crate) fn places(&self, tree: usize) -> impl Iterator<Item = (usize, DAffine3)> {
+        let anchors = self.anchors.get(tree).into_iter().flatten().enumerate();
+        anchors.filter(|(_, at)| at.objects.is_some()).map(|(anchor, at)| (anchor, at.to_world))
+    }
+
+    /// The objects of the scene that a place of a tree stands for at one of its anchors: one, or those of a whole tree
+    /// inside it; none where the scene does not show it.
+    pub(crate) fn below(&self, tree: usize, anchor: usize, place: u32) -> Range<u32> {
+        let objects = || {
+            let data = self.visibility.trees().get(tree)?;
+            let at = self.anchors[tree].get(anchor)?.objects.as_ref()?;
+            let Some(nested) = data.nested().iter().find(|nested| nested.object == place) else {
+                let object = self.object(data, at, place as usize)?;
+                return Some(object..object + 1);
+            };
+            let guest = data.nested_anchor(nested, anchor);
+            self.anchors[nested.tree as usize].get(guest)?.objects.clone()
+        };
+        objects().unwrap_or(0..0)
     }
 
     /// Everything that the trees decide about, tree by tree: what the runtime says to draw, and its object of the scene.
@@ -247,6 +289,22 @@ impl Baked {
         }
         boxes
     }
+}
+
+fn decode(doc: &Document, json: &Value) -> Result<(Extension, Visibility), DecodeError> {
+    let extension = Extension::deserialize(json)?;
+    let visibility = Visibility::decode(json, &DocumentTables::of_extension(doc, &extension))?;
+    Ok((extension, visibility))
+}
+
+/// The extension's JSON without proxies and simplified meshes; `None` if it has none.
+fn without_proxies(json: &Value) -> Option<Value> {
+    let mut bare = json.clone();
+    let mut had = bare.as_object_mut()?.shift_remove("meshLevels").is_some();
+    for tree in bare.get_mut("trees").and_then(Value::as_array_mut).into_iter().flatten() {
+        had |= tree.as_object_mut().is_some_and(|tree| tree.shift_remove("proxies").is_some());
+    }
+    had.then_some(bare)
 }
 
 /// The smallest `f32` box around a box; `None` for an empty one.

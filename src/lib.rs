@@ -22,6 +22,7 @@
 //! - [`scene`] finds the objects, their geometry and the nodes above them.
 //! - [`hidden`] drops, if asked to, what no camera can ever see.
 //! - [`bake`] groups the objects, samples their visibility with rays, drops what does not pay and encodes the rest.
+//! - [`proxies`] makes simplified stand-ins for groups of objects, if they are asked for.
 //! - [`verify`] measures the result on cameras that the bake has not seen, beside the published method.
 //! - [`validate`] checks a file against the extension's schema and its scene.
 //! - [`generate`] makes the sample scenes.

@@ -59,6 +59,15 @@ impl Materials {
         self.places.get(&material).copied().unwrap_or(0)
     }
 
+    /// For each material its index in the file.
+    pub(super) fn sources(&self) -> Vec<Option<usize>> {
+        let mut sources = vec![None; self.materials.len()];
+        for (&source, &place) in &self.places {
+            sources[place as usize] = source;
+        }
+        sources
+    }
+
     /// Texture coordinates that a material wants; `None` if it has no textures.
     pub(super) fn mapping(&self, material: Option<usize>) -> Option<Mapping> {
         self.mappings.get(self.index(material) as usize).copied().flatten()

@@ -24,8 +24,10 @@ use svs_render::{Mesh, Object, SceneData};
 #[derive(Debug, Default)]
 pub struct Appearance {
     /// Objects are those of [`Scene::objects`], in their order; meshes those of [`Scene::meshes`], then an empty one for
-    /// objects that are not to be drawn.
+    /// objects that are not to be drawn, then those that were asked for with [`read_with`].
     pub data: SceneData,
+    /// For each material of the data its index in the file; `None` for glTF's default material.
+    pub gltf_materials: Vec<Option<usize>>,
     /// Counted notes on what was left out.
     pub notes: Vec<Note>,
 }
@@ -37,6 +39,12 @@ pub enum AppearanceError {
     /// The document is broken, or asks for too much.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A mesh that is asked for by its number is not there.
+    #[error("there is no mesh {mesh}")]
+    NoMesh {
+        /// Index of the glTF mesh.
+        mesh: usize,
+    },
     /// The scene was read from another document.
     #[error("the scene does not belong to this document: its node {node} has no such mesh")]
     OtherDocument {
@@ -50,8 +58,22 @@ pub enum AppearanceError {
 /// # Errors
 /// [`AppearanceError`]; a document that [`crate::scene::read_scene`] could read gives none.
 pub fn read(doc: &Document, scene: &Scene) -> Result<Appearance, AppearanceError> {
+    read_with(doc, scene, &[])
+}
+
+/// As [`read`], and glTF meshes that no node names: they follow after the empty mesh, in the order of `more`.
+///
+/// # Errors
+/// [`AppearanceError`], also if one of `more` is not there or is broken.
+pub fn read_with(doc: &Document, scene: &Scene, more: &[u32]) -> Result<Appearance, AppearanceError> {
     let mut notes = Notes::default();
-    let plan = primitives::plan(doc, &gltf_meshes(doc, scene)?, &mut Notes::default())?;
+    let mut wanted = gltf_meshes(doc, scene)?;
+    let (own, count) = (wanted.len(), json::array(&doc.json, "meshes", "")?.len());
+    for &mesh in more {
+        let mesh = mesh as usize;
+        wanted.push(Some(mesh).filter(|&mesh| mesh < count).ok_or(AppearanceError::NoMesh { mesh })?);
+    }
+    let plan = primitives::plan(doc, &wanted, &mut Notes::default())?;
     let primitives = || plan.meshes.iter().flat_map(|mesh| &mesh.primitives);
     let materials = Materials::read(doc, primitives().map(|primitive| primitive.material), &mut notes);
     let attributes = Attributes::read(doc, &plan, &materials, &mut notes);
@@ -62,15 +84,17 @@ pub fn read(doc: &Document, scene: &Scene) -> Result<Appearance, AppearanceError
         meshes.push(mesh);
         notes.append(mesh_notes);
     }
-    let nothing = meshes.len() as u32;
-    meshes.push(Mesh::default());
+    let nothing = own as u32;
+    meshes.insert(own, Mesh::default());
     let object = |object: &crate::scene::Object| Object {
         mesh: if object.hidden { nothing } else { object.mesh },
         to_world: object.to_world,
     };
     let objects = scene.objects.iter().map(object).collect();
+    let gltf_materials = materials.sources();
     let Materials { materials, images, .. } = materials;
-    Ok(Appearance { data: SceneData { meshes, materials, images, objects }, notes: notes.into_vec() })
+    let data = SceneData { meshes, materials, images, objects };
+    Ok(Appearance { data, gltf_materials, notes: notes.into_vec() })
 }
 
 /// The glTF mesh of each mesh of the scene.

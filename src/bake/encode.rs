@@ -104,8 +104,24 @@ fn bytes(semantic: &'static str, bytes: Vec<u8>) -> EncodedTable {
     EncodedTable { semantic, component_type: 5121, kind: "SCALAR", count: bytes.len(), bytes }
 }
 
+/// Floats; `kind` says how many make an element.
+pub(crate) fn floats(
+    semantic: &'static str,
+    kind: &'static str,
+    values: impl Iterator<Item = f32>,
+) -> EncodedTable {
+    let bytes: Vec<u8> = values.flat_map(f32::to_le_bytes).collect();
+    let components = match kind {
+        "VEC4" => 4,
+        "VEC3" => 3,
+        "VEC2" => 2,
+        _ => 1,
+    };
+    EncodedTable { semantic, component_type: 5126, kind, count: bytes.len() / 4 / components, bytes }
+}
+
 /// Unsigned integers in the smallest component type that holds them all.
-fn integers(semantic: &'static str, values: impl Iterator<Item = u32> + Clone) -> EncodedTable {
+pub(crate) fn integers(semantic: &'static str, values: impl Iterator<Item = u32> + Clone) -> EncodedTable {
     let count = values.clone().count();
     let width = index_bytes(values.clone().max().unwrap_or(0));
     let bytes = values.flat_map(|v| v.to_le_bytes().into_iter().take(width)).collect();

@@ -21,12 +21,14 @@ pub use options::{BakeOptions, DEFAULT_DIRECTIONS, DEFAULT_PRUNE, HierarchyChoic
 pub use progress::{Progress, Silent};
 pub use report::{BakeReport, NoteReport, StageSeconds, TableReport, TreeReport};
 
+use crate::appearance::AppearanceError;
 use crate::gltf::payload::{self, Table};
 use crate::gltf::{AttachError, Document};
+use crate::proxies::{self, ProxyBake, ProxyMode, ProxyTree};
 use crate::scene::{ReadOptions, Scene, SceneError, read_scene};
 use crate::verify::{self, VerifyError};
 use clock::Clock;
-use encode::{EncodedTree, encode_tree};
+use encode::{EncodedTable, EncodedTree, encode_tree};
 use pipeline::{BakedTree, bake_tree};
 use subject::{Anchor, Subject, subjects};
 use svs_runtime::directions::{DIRECTION_SETS, DirectionSet};
@@ -39,6 +41,9 @@ pub enum BakeError {
     /// The scene cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// The looks of the scene, which proxies need, cannot be read.
+    #[error(transparent)]
+    Appearance(#[from] AppearanceError),
     /// The result cannot be stored in the document.
     #[error(transparent)]
     Attach(#[from] AttachError),
@@ -94,10 +99,19 @@ pub fn build(
         })
         .collect();
 
+    let mut proxies = ProxyBake::default();
+    if options.proxies.mode != ProxyMode::Off && !baked.is_empty() {
+        let trees: Vec<ProxyTree<'_>> =
+            baked.iter().map(|b| ProxyTree { subject: &b.subject, order: &b.tree.hierarchy.order }).collect();
+        proxies = proxies::bake(doc, &scene, &trees, geometry_bytes, &options.proxies, &clock)?;
+    }
+
     clock.stage("write", None);
     let bytes_before = json_bytes(doc);
+    let proxy_bytes = proxies.stored_bytes();
+    let proxy_report = (options.proxies.mode != ProxyMode::Off).then(|| proxies.report.clone());
     if !baked.is_empty() {
-        attach(doc, &baked, &scene, options)?;
+        attach(doc, &baked, proxies, &scene, options)?;
     }
     let table_bytes: u64 = baked.iter().map(|b| b.encoded.bytes() as u64).sum();
     let json_added = json_bytes(doc).saturating_sub(bytes_before);
@@ -118,8 +132,9 @@ pub fn build(
             .sum(),
         geometry_bytes,
         table_bytes,
-        bytes_added: table_bytes + json_added,
+        bytes_added: table_bytes + proxy_bytes + json_added,
         trees: baked.iter().map(|b| tree_report(b, &scene, options)).collect(),
+        proxies: proxy_report,
         rays: baked.iter().map(|b| b.tree.made.rays).sum(),
         estimated_missing_ppm: baked.iter().map(|b| b.tree.made.missing_ppm).fold(0.0, f64::max),
         seconds: clock.seconds(),
@@ -144,10 +159,11 @@ const JSON_BYTES: u64 = 1_400;
 fn attach(
     doc: &mut Document,
     baked: &[Baked],
+    proxies: ProxyBake,
     scene: &Scene,
     options: &BakeOptions,
 ) -> Result<(), BakeError> {
-    let mut next = doc.next_accessor() as u32;
+    let mut next = (doc.next_accessor() + proxies.additions.accessors.len()) as u32;
     let mut trees = Vec::new();
     let mut tables = Vec::new();
     for Baked { subject, encoded, .. } in baked {
@@ -155,13 +171,7 @@ fn attach(
         for table in &encoded.tables {
             *slot(&mut semantics, table.semantic) = Some(next);
             next += 1;
-            tables.push(Table {
-                bytes: &table.bytes,
-                component_type: table.component_type,
-                kind: table.kind,
-                count: table.count,
-                min_max: None,
-            });
+            tables.push(stored(table));
         }
         let (scene_index, anchors) = match subject.anchor {
             Anchor::Scene => (scene.index.map(|index| index as u32), Vec::new()),
@@ -188,10 +198,33 @@ fn attach(
         mesh_levels: Vec::new(),
         extras: None,
     };
-    let json = serde_json::to_value(&extension)
+    let mut json = serde_json::to_value(&extension)
         .unwrap_or_else(|error| unreachable!("the extension is plain data: {error}"));
-    payload::attach(doc, json, &tables)?;
+    for (tree, encoded) in proxies.trees.iter().enumerate().filter(|(_, tables)| !tables.is_empty()) {
+        let mut semantics = serde_json::Map::new();
+        for table in encoded {
+            semantics.insert(table.semantic.to_owned(), next.into());
+            next += 1;
+            tables.push(stored(table));
+        }
+        let visible = options.proxies.mode != ProxyMode::All;
+        json["trees"][tree]["proxies"] = serde_json::json!({"visible": visible, "tables": semantics});
+    }
+    if !proxies.mesh_levels.is_empty() {
+        json["meshLevels"] = proxies.mesh_levels.into();
+    }
+    payload::attach_with(doc, json, &tables, proxies.additions)?;
     Ok(())
+}
+
+fn stored(table: &EncodedTable) -> Table<'_> {
+    Table {
+        bytes: &table.bytes,
+        component_type: table.component_type,
+        kind: table.kind,
+        count: table.count,
+        min_max: None,
+    }
 }
 
 fn slot<'a>(tables: &'a mut Tables, semantic: &str) -> &'a mut Option<u32> {

@@ -2,6 +2,7 @@
 
 use super::hierarchy::HierarchyKind;
 use super::spheres::SphereKind;
+use crate::proxies::ProxyOptions;
 use crate::scene::MaskMode;
 
 /// Presets: what share of the pixels may be missing, and how many rays are spent on it at most.
@@ -48,6 +49,8 @@ pub struct BakeOptions {
     pub mask: MaskMode,
     /// glTF scene; `None` for the default scene.
     pub scene: Option<usize>,
+    /// Proxies for groups of objects.
+    pub proxies: ProxyOptions,
     /// Check the result on held-out cameras at the end.
     pub verify: bool,
 }
@@ -76,6 +79,7 @@ impl Default for BakeOptions {
             prune: None,
             mask: MaskMode::default(),
             scene: None,
+            proxies: ProxyOptions::default(),
             verify: true,
         }
     }

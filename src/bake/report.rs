@@ -1,5 +1,6 @@
 //! What a bake did, in figures.
 
+use crate::proxies::ProxyReport;
 use crate::verify::VerifyReport;
 use serde::Serialize;
 
@@ -20,6 +21,8 @@ pub struct BakeReport {
     pub bytes_added: u64,
     /// Trees, the scene's own first.
     pub trees: Vec<TreeReport>,
+    /// Proxies, if they were asked for.
+    pub proxies: Option<ProxyReport>,
     /// Rays traced.
     pub rays: u64,
     /// Estimated missing pixels per million covered ones from outside, default query, before perspective; of the

@@ -117,6 +117,6 @@ fn stops(around: &Surroundings<'_>) -> Vec<DVec3> {
 }
 
 /// A radius that a path can be made with.
-fn usable(radius: f64) -> f64 {
+pub(super) fn usable(radius: f64) -> f64 {
     if radius.is_finite() && radius > 0.0 { radius } else { 1.0 }
 }

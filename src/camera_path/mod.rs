@@ -18,6 +18,7 @@
 
 mod error;
 mod generate;
+mod inspection;
 mod json;
 mod recorder;
 mod spline;

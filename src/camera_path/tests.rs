@@ -178,7 +178,24 @@ fn an_empty_scene_has_paths_too() {
         bounds: Aabb { min: DVec3::ZERO, max: DVec3::ZERO },
         objects: &[],
     };
-    for path in [CameraPath::outside(&around), CameraPath::inside(&around)] {
+    for path in [CameraPath::outside(&around), CameraPath::inside(&around), CameraPath::inspection(&around)] {
         assert!(path.steps(50).iter().all(|p| p.eye.is_finite() && p.forward.is_finite()));
+    }
+}
+
+#[test]
+fn the_inspection_nears_the_scene_three_times_and_stays_outside_of_its_box() {
+    let around = scene(&[]);
+    let path = CameraPath::inspection(&around);
+    assert_eq!((path.poses.len(), path.poses[0]), (121, path.poses[120]));
+    let distance = |pose: &Pose| (pose.eye - around.sphere.center).length() / around.sphere.radius;
+    let overview = path.poses.iter().map(distance).fold(0.0, f64::max);
+    assert!((overview - 3.0).abs() < 1e-9, "{overview}");
+    let near: Vec<bool> = path.poses.iter().map(|pose| distance(pose) < 1.0).collect();
+    assert_eq!(near.windows(2).filter(|pair| !pair[0] && pair[1]).count(), 3);
+    for pose in &path.poses {
+        let inside = pose.eye.cmpgt(around.bounds.min).all() && pose.eye.cmplt(around.bounds.max).all();
+        assert!(!inside && pose.eye.is_finite(), "{pose:?}");
+        assert!((pose.forward.length() - 1.0).abs() < 1e-9);
     }
 }

@@ -72,7 +72,8 @@ Examples:
   svs build plant.gltf -o baked/plant.gltf --quality high --report report.json
   svs build plant.glb -o plant.glb --max-missing 20       bake in place, at most 20 missing pixels per million
   svs build city.glb -o city.svs.glb --directions icosahedron-2 --hierarchy octree --json
-  svs build engine.glb -o engine.svs.glb --remove-hidden=triangles     drop what no camera can see")]
+  svs build engine.glb -o engine.svs.glb --remove-hidden=triangles     drop what no camera can see
+  svs build plant.glb -o plant.svs.glb --proxies auto     simplified stand-ins for groups of objects too")]
 pub(crate) struct Build {
     /// Scene to bake: .glb, or .gltf with external or data-URI buffers
     #[arg(value_name = "IN")]
@@ -104,9 +105,28 @@ pub(crate) struct Build {
     pub(crate) prune: Option<f64>,
     #[command(flatten)]
     pub(crate) hidden: super::hidden::Hidden,
+    pub(crate) proxies: Proxies,
     /// Write the full report to this file too
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
+}
+
+/// Simplified stand-ins for groups of objects. Viewers that do not know the extension do not see them.
+#[derive(Debug, Args)]
+pub(crate) struct Proxies {
+    /// Proxies, at most a fifth of the geometry's bytes: of what is visible from outside, of everything, or none
+    #[arg(long, value_enum, value_name = "WHICH", default_value_t)]
+    pub(crate) proxies: ProxiesName,
+    /// Error of the finest proxies, in pixels of a screen of 1080 lines that the whole scene fills; coarser is smaller
+    #[arg(long, value_name = "PX", default_value_t = svs::proxies::DEFAULT_ERROR_PIXELS, value_parser = positive)]
+    pub(crate) proxy_error: f64,
+    /// How proxies are stored: quantized needs a loader that knows KHR_mesh_quantization
+    #[arg(long, value_enum, value_name = "FORMAT", default_value_t)]
+    pub(crate) proxy_format: ProxyFormatName,
+    /// Triangles that the smallest proxies stand for, about
+    #[arg(long, value_name = "N", default_value_t = svs::proxies::DEFAULT_TRIANGLES,
+          value_parser = clap::value_parser!(u32).range(16..=1_000_000))]
+    pub(crate) proxy_triangles: u32,
 }
 
 /// Show what is in a baked file: trees, spheres, directions, bytes, what each level culls
@@ -287,6 +307,21 @@ pub(crate) enum HierarchyName {
     Scene,
     Octree,
     Bvh,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProxiesName {
+    Auto,
+    All,
+    #[default]
+    Off,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProxyFormatName {
+    #[default]
+    Float,
+    Quantized,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -12,6 +12,7 @@ use std::path::Path;
 use std::time::Instant;
 use svs::bake::BakeReport;
 use svs::hidden::HiddenReport;
+use svs::proxies::ProxyReport;
 
 pub(crate) fn run(args: &Build, common: &Common) -> Result<(), Failure> {
     let options = BuildOptions::try_from(args)?;
@@ -91,6 +92,9 @@ fn to_text(report: &BakeReport, hidden: Option<&HiddenReport>, output: &Path, se
             number(ratio(report.bytes_added, report.objects as u64)),
         ),
     ));
+    if let Some(proxies) = &report.proxies {
+        rows.push(("proxies", proxies_text(proxies)));
+    }
     rows.push(("rays", count(report.rays)));
     rows.extend(hidden.map(hidden::row));
     let mut text =
@@ -103,4 +107,28 @@ fn to_text(report: &BakeReport, hidden: Option<&HiddenReport>, output: &Path, se
         }
     }
     text
+}
+
+/// What became of the proxies, in one line.
+fn proxies_text(report: &ProxyReport) -> String {
+    if report.nodes == 0 && report.mesh_levels == 0 {
+        let why = report.without.first().map_or("they do not pay here", String::as_str);
+        return format!("none: {why}");
+    }
+    let root = report.levels.first().map_or(0, |level| level.triangles);
+    format!(
+        "{} in {} levels, the coarsest {}; {} of {}; {}, {} of the geometry; {} s",
+        count(report.nodes as u64),
+        report.levels.len(),
+        counted(root, "triangle"),
+        counted(report.mesh_levels as u64, "simplified version"),
+        mesh_count(report.simplified_meshes as u64),
+        bytes(report.bytes),
+        percent(report.share),
+        number(report.seconds),
+    )
+}
+
+fn mesh_count(number: u64) -> String {
+    format!("{} {}", count(number), if number == 1 { "mesh" } else { "meshes" })
 }

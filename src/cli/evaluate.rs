@@ -1,6 +1,7 @@
 //! `svs evaluate`: flies camera paths with each method and writes a report.
 
 use super::args::Common;
+use super::detail::{DetailArgs, Switch};
 use super::error::Failure;
 use super::output::{count, number};
 use super::progress::Bars;
@@ -26,11 +27,16 @@ Methods:
   exact         what the reference's pixels show, at no cost of finding it
   budget        visibility within --budget
   first-misfit  the same budget by the published rule: stop at the first object that does not fit
+  proxies       visibility, and what is far or hardly visible simplified or through proxies: --detail, --metric, --budget
+  proxies-sse, proxies-linear, proxies-frustum
+                the same with --metric sse, with --metric linear, and by the screen-space error without visibility
 
 Examples:
   svs evaluate plant.svs.glb -o report
   svs evaluate plant.svs.glb --budget 10% -o report         budget and first-misfit come in addition
   svs evaluate plant.svs.glb --path tour.json --methods frustum,visibility --passes 5 -o report
+  svs evaluate plant.svs.glb --proxies on --detail 2 --metric linear -o report
+  svs evaluate plant.svs.glb --methods proxies-sse,proxies --reference proxies-sse -o report
   svs evaluate plant.svs.glb --size 640x360 --frames 12 --tour inside -o report --json")]
 pub(crate) struct Evaluate {
     /// Scene to measure, baked or not
@@ -54,6 +60,14 @@ pub(crate) struct Evaluate {
     /// Most that a frame may draw: triangles (200000), a share of the triangles of visibility (10%), or time (8ms)
     #[arg(long, value_name = "BUDGET")]
     pub(crate) budget: Option<String>,
+    #[command(flatten)]
+    pub(crate) detail: DetailArgs,
+    /// Measure method `proxies` in addition [default: on with --detail or --metric]
+    #[arg(long, value_enum, value_name = "on|off")]
+    pub(crate) proxies: Option<Switch>,
+    /// Method whose pictures the others are compared with [default: frustum]
+    #[arg(long, value_name = "METHOD")]
+    pub(crate) reference: Option<String>,
     /// Frames of each path
     #[arg(long, value_name = "N", default_value_t = 48)]
     pub(crate) frames: usize,
@@ -71,9 +85,11 @@ pub(crate) enum TourName {
     Outside,
     /// A walk through it
     Inside,
-    /// One after the other
+    /// Outside and inside, one after the other
     #[default]
     Both,
+    /// Turns about it, from overview to close-up and back
+    Inspection,
 }
 
 impl From<TourName> for Tour {
@@ -82,6 +98,7 @@ impl From<TourName> for Tour {
             TourName::Outside => Self::Outside,
             TourName::Inside => Self::Inside,
             TourName::Both => Self::Both,
+            TourName::Inspection => Self::Inspection,
         }
     }
 }
@@ -114,6 +131,7 @@ fn options(args: &Evaluate) -> Result<EvaluateOptions, Failure> {
         tour: args.tour.into(),
         quality: args.quality.map(|quality| quality as f32),
         budget: args.budget.as_deref().map(str::parse).transpose().map_err(usage)?,
+        detail: args.detail.detail(),
         frames: args.frames,
         passes: args.passes,
         width: args.size.0,
@@ -130,10 +148,16 @@ fn options(args: &Evaluate) -> Result<EvaluateOptions, Failure> {
         Some(_) => &[EvaluationMethod::Budget, EvaluationMethod::FirstMisfit],
         None => &[],
     };
-    for &method in budgeted {
-        if !options.methods.contains(&method) {
-            options.methods.push(method);
-        }
+    // Not where the methods asked for keep within the budget already.
+    if !options.methods.iter().any(|&method| options.limits(method)) {
+        options.methods.extend(budgeted);
+    }
+    let wants_proxies = args.proxies.map_or(args.detail.is_given(), |switch| switch == Switch::On);
+    if wants_proxies && !options.methods.iter().any(|method| method.draws_proxies().is_some()) {
+        options.methods.push(EvaluationMethod::Proxies);
+    }
+    if let Some(reference) = &args.reference {
+        options.reference = reference.parse().map_err(usage)?;
     }
     options.check().map_err(usage)?;
     Ok(options)
@@ -202,6 +226,9 @@ fn table(methods: &[MethodSummary]) -> String {
         "missing ppm",
         "worst",
         "worst SSIM",
+        "proxies",
+        "nodes",
+        "worst hole px",
     ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for method in methods {
@@ -216,6 +243,9 @@ fn table(methods: &[MethodSummary]) -> String {
             number(method.missing_ppm.median),
             number(method.missing_ppm.worst),
             format!("{:.6}", method.ssim.worst),
+            count(method.proxies.median as u64),
+            count(method.nodes.median as u64),
+            count(method.largest_hole.worst as u64),
         ]);
     }
     output::table(&rows)

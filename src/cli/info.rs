@@ -8,12 +8,13 @@ use super::output::{self, bytes, count, counted, number, percent, ratio};
 use super::tree_weights::{tree_weights, triangles_of};
 use serde::Deserialize;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 use svs::gltf::{Document, DocumentTables};
 use svs::scene::{ReadOptions, read_scene};
 use svs_runtime::format::{EXTENSION_NAME, Extension};
-use svs_runtime::{Placement, Tree, Visibility};
+use svs_runtime::{Placement, Proxies, Tree, Visibility};
 
 pub(crate) fn run(args: &Info, common: &Common) -> Result<(), Failure> {
     let document = file::read(&args.file)?;
@@ -30,6 +31,8 @@ struct FileInfo {
     geometry_bytes: u64,
     objects: u64,
     triangles: u64,
+    /// Simplified versions of meshes, and their triangles.
+    mesh_levels: [u64; 2],
 }
 
 struct TreeInfo {
@@ -46,6 +49,21 @@ struct TreeInfo {
     quality: Option<f64>,
     tables: Vec<(String, u64)>,
     levels: Vec<LevelShare>,
+    proxies: Option<ProxyInfo>,
+}
+
+/// The proxies of a tree.
+struct ProxyInfo {
+    nodes: u64,
+    depth: u64,
+    meshes: u64,
+    /// Of the meshes, each once.
+    triangles: u64,
+    /// Of the coarsest proxies, those below no other.
+    coarsest: u64,
+    /// Smallest and largest geometric error, metres.
+    errors: [f32; 2],
+    visible: bool,
 }
 
 impl FileInfo {
@@ -59,6 +77,7 @@ impl FileInfo {
             geometry_bytes: scene.meshes.iter().map(|mesh| mesh.bytes).sum(),
             objects: scene.objects.len() as u64,
             triangles: scene.objects.iter().map(|object| triangles_of(&scene, object.mesh)).sum(),
+            mesh_levels: [0; 2],
         };
         let Some(extension) = document.json.get("extensions").and_then(|all| all.get(EXTENSION_NAME)) else {
             return Ok(info);
@@ -76,6 +95,11 @@ impl FileInfo {
         let text = |key: &str| extension.get(key).and_then(Value::as_str).unwrap_or_default().to_owned();
         info.version = text("version");
         info.generator = text("generator");
+        let levels = visibility.mesh_levels().iter().flat_map(|mesh| &mesh.levels);
+        for level in levels {
+            info.mesh_levels[0] += 1;
+            info.mesh_levels[1] += triangles_of_mesh(document, level.mesh);
+        }
         let weights = tree_weights(&scene, visibility.trees());
         for (index, (tree, weights)) in visibility.trees().iter().zip(&weights).enumerate() {
             let json = extension.pointer(&format!("/trees/{index}")).unwrap_or(&Value::Null);
@@ -97,6 +121,7 @@ impl FileInfo {
             "triangles": self.triangles,
             "geometry_bytes": self.geometry_bytes,
             "bytes": self.bytes(),
+            "mesh_levels": { "count": self.mesh_levels[0], "triangles": self.mesh_levels[1] },
             "trees": self.trees.iter().map(TreeInfo::to_json).collect::<Vec<_>>(),
         })
     }
@@ -115,6 +140,11 @@ impl FileInfo {
             percent(ratio(self.bytes(), self.geometry_bytes)),
         );
         let _ = writeln!(text, "baked by {}, format {}", self.generator, self.version);
+        let [levels, triangles] = self.mesh_levels;
+        if levels > 0 {
+            let (levels, triangles) = (counted(levels, "simplified version"), counted(triangles, "triangle"));
+            let _ = writeln!(text, "{levels} of meshes, {triangles}");
+        }
         for (index, tree) in self.trees.iter().enumerate() {
             let _ = write!(text, "\ntree {index}: {}", tree.to_text());
         }
@@ -159,6 +189,7 @@ impl TreeInfo {
                 |object, direction| tree.level(object, direction),
                 triangles,
             ),
+            proxies: tree.proxies().map(|proxies| ProxyInfo::of(document, proxies)),
         }
     }
 
@@ -189,6 +220,7 @@ impl TreeInfo {
             "bytes": self.bytes(),
             "tables": self.tables.iter().map(|(name, bytes)| (name.clone(), json!(bytes))).collect::<serde_json::Map<_, _>>(),
             "levels": self.levels.iter().enumerate().map(level).collect::<Vec<_>>(),
+            "proxies": self.proxies.as_ref().map(ProxyInfo::to_json),
         })
     }
 
@@ -221,11 +253,72 @@ impl TreeInfo {
         if !self.levels.is_empty() {
             text += &output::table(&rows);
         }
+        if let Some(proxies) = &self.proxies {
+            text += &proxies.to_text();
+        }
         let mut rows = vec![vec!["table".to_owned(), "bytes".to_owned()]];
         rows.extend(self.tables.iter().map(|(name, bytes)| vec![name.clone(), count(*bytes)]));
         rows.push(vec!["all".to_owned(), count(self.bytes())]);
         text + &output::table(&rows)
     }
+}
+
+impl ProxyInfo {
+    fn of(document: &Document, proxies: &Proxies) -> Self {
+        let nodes = proxies.nodes();
+        let meshes: BTreeSet<u32> = nodes.iter().map(|node| node.mesh).collect();
+        let roots = nodes.iter().filter(|node| node.depth == 0);
+        Self {
+            nodes: nodes.len() as u64,
+            depth: nodes.iter().map(|node| u64::from(node.depth) + 1).max().unwrap_or(0),
+            meshes: meshes.len() as u64,
+            triangles: meshes.iter().map(|&mesh| triangles_of_mesh(document, mesh)).sum(),
+            coarsest: roots.map(|node| triangles_of_mesh(document, node.mesh)).sum(),
+            errors: nodes.iter().fold([f32::INFINITY, 0.0], |[least, largest], node| {
+                [least.min(node.error), largest.max(node.error)]
+            }),
+            visible: proxies.visible_only(),
+        }
+    }
+
+    fn to_json(&self) -> Value {
+        json!({
+            "nodes": self.nodes,
+            "depth": self.depth,
+            "meshes": self.meshes,
+            "triangles": self.triangles,
+            "coarsest_triangles": self.coarsest,
+            "least_error": self.errors[0],
+            "largest_error": self.errors[1],
+            "visible_only": self.visible,
+        })
+    }
+
+    fn to_text(&self) -> String {
+        format!(
+            "  {} in {} levels, {} in all, the coarsest {}; errors {} to {} m; {}\n",
+            if self.nodes == 1 { "1 proxy".to_owned() } else { format!("{} proxies", count(self.nodes)) },
+            count(self.depth),
+            counted(self.triangles, "triangle"),
+            count(self.coarsest),
+            number(f64::from(self.errors[0])),
+            number(f64::from(self.errors[1])),
+            if self.visible { "of what is visible from outside" } else { "of everything" },
+        )
+    }
+}
+
+/// Triangles of a glTF mesh whose primitives are indexed triangles, as those that a bake adds are.
+fn triangles_of_mesh(document: &Document, mesh: u32) -> u64 {
+    let mesh = document.json.get("meshes").and_then(|meshes| meshes.get(mesh as usize));
+    let primitives = mesh.and_then(|mesh| mesh.get("primitives")?.as_array()).into_iter().flatten();
+    primitives
+        .filter_map(|primitive| {
+            let accessor = primitive.get("indices")?.as_u64()?;
+            document.json.get("accessors")?.get(accessor as usize)?.get("count")?.as_u64()
+        })
+        .map(|indices| indices / 3)
+        .sum()
 }
 
 /// Bytes of each table of a tree, by name.
@@ -237,9 +330,14 @@ fn table_bytes(document: &Document, tree: &Value) -> Vec<(String, u64)> {
             5122 | 5123 => 2,
             _ => 4,
         };
-        let components = if accessor.get("type")?.as_str()? == "VEC4" { 4 } else { 1 };
+        let components = match accessor.get("type")?.as_str()? {
+            "VEC4" => 4,
+            "VEC3" => 3,
+            _ => 1,
+        };
         Some(accessor.get("count")?.as_u64()? * component * components)
     };
-    let tables = tree.get("tables").and_then(Value::as_object);
-    tables.into_iter().flatten().map(|(name, index)| (name.clone(), size(index).unwrap_or(0))).collect()
+    let tables = [tree.get("tables"), tree.pointer("/proxies/tables")];
+    let tables = tables.into_iter().flatten().filter_map(Value::as_object).flatten();
+    tables.map(|(name, index)| (name.clone(), size(index).unwrap_or(0))).collect()
 }

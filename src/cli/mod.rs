@@ -5,6 +5,8 @@
 
 mod args;
 mod build;
+#[cfg(feature = "render")]
+mod detail;
 mod error;
 #[cfg(feature = "render")]
 mod evaluate;

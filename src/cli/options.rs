@@ -1,12 +1,13 @@
 //! What the arguments of `svs build` mean: checked, and in the library's own types.
 
-use super::args::{Build, HierarchyName, QualityName, SpheresName};
+use super::args::{Build, HierarchyName, Proxies, ProxiesName, ProxyFormatName, QualityName, SpheresName};
 use super::error::Failure;
 use super::file;
 use std::path::PathBuf;
 use svs::bake::hierarchy::HierarchyKind;
 use svs::bake::spheres::SphereKind;
 use svs::bake::{BakeOptions, HierarchyChoice, Quality};
+use svs::proxies::{ProxyFormat, ProxyMode, ProxyOptions};
 
 /// A build that can begin.
 #[derive(Debug)]
@@ -51,8 +52,28 @@ impl TryFrom<&Build> for BuildOptions {
                 SpheresName::Tight => SphereKind::Tight,
             },
             prune: args.prune,
+            proxies: ProxyOptions::from(&args.proxies),
             ..BakeOptions::default()
         };
         Ok(Self { input: args.input.clone(), output: args.output.clone(), report: args.report.clone(), bake })
+    }
+}
+
+impl From<&Proxies> for ProxyOptions {
+    fn from(args: &Proxies) -> Self {
+        Self {
+            mode: match args.proxies {
+                ProxiesName::Auto => ProxyMode::Auto,
+                ProxiesName::All => ProxyMode::All,
+                ProxiesName::Off => ProxyMode::Off,
+            },
+            error_pixels: args.proxy_error,
+            format: match args.proxy_format {
+                ProxyFormatName::Float => ProxyFormat::Float,
+                ProxyFormatName::Quantized => ProxyFormat::Quantized,
+            },
+            triangles: args.proxy_triangles,
+            ..Self::default()
+        }
     }
 }

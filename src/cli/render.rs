@@ -1,6 +1,7 @@
 //! `svs render`: one picture, without a window.
 
 use super::args::Common;
+use super::detail::{DetailArgs, Switch};
 use super::error::Failure;
 use super::{file, output};
 use clap::Args;
@@ -8,7 +9,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use svs::camera_path::{CameraPath, near_plane};
-use svs::stage::{ColourMode, Method, Stage, object_colour, visible_objects};
+use svs::stage::{ColourMode, Kind, Method, Stage, object_colour, visible_objects};
 use svs_render::{Frame, FrameTime, Gpu, GpuScene, Image, NO_ITEM, Offscreen, RenderError, View};
 use svs_runtime::{Budget, Settings};
 
@@ -23,6 +24,8 @@ Examples:
   svs render plant.svs.glb --camera inside --frame 40 -o inside.png     standing in the scene
   svs render plant.svs.glb --camera camera.json --size 1920x1080 --method exact -o exact.png
   svs render plant.svs.glb --colour importance --json -o importance.png
+  svs render plant.svs.glb --budget 20000 --metric linear -o coarse.png  within a budget, with proxies where the file has them
+  svs render plant.svs.glb --detail 4 --colour proxies -o proxies.png    what is a proxy
 
 Camera files: {\"version\": 1, \"vertical_fov\": 60, \"poses\": [{\"eye\": [9, 2, 0], \"forward\": [-1, 0, 0]}]}
 with lengths in metres, angles in degrees and +y up; several poses are a path, and --frame counts along it.")]
@@ -59,6 +62,11 @@ pub(crate) struct Render {
     /// Draw at most this many triangles
     #[arg(long, value_name = "TRIANGLES")]
     pub(crate) budget: Option<u64>,
+    #[command(flatten)]
+    pub(crate) detail: DetailArgs,
+    /// Draw proxies and simplified objects where the file has them
+    #[arg(long, value_enum, value_name = "on|off", default_value = "on")]
+    pub(crate) proxies: Switch,
     /// Colour objects by something else than their materials
     #[arg(long, value_name = "BY", conflicts_with = "items",
           value_parser = clap::builder::PossibleValuesParser::new(ColourMode::ALL.map(ColourMode::name)))]
@@ -80,8 +88,8 @@ pub(crate) fn run(args: &Render, common: &Common) -> Result<(), Failure> {
     let document = file::read(&args.file)?;
     let mut stage = Stage::open(&document).map_err(|error| Failure::doing("draw", &args.file, &error))?;
     let view = view(args, &stage)?;
-    let drawn = Painter::new(args, &stage, colour)
-        .and_then(|mut painter| painter.draw(args, &mut stage, &view, method));
+    let drawn = Painter::new(args, &stage)
+        .and_then(|mut painter| painter.draw(args, &mut stage, &view, method, colour));
     let drawn = drawn.map_err(|error| Failure::doing("draw", &args.file, error.as_ref()))?;
     file::write_png(&drawn.image, &args.output)?;
     report(args, common, &stage, &drawn)
@@ -123,15 +131,15 @@ struct Drawn {
     adapter: String,
     cull_us: f64,
     time: FrameTime,
+    proxies: usize,
+    levels: usize,
+    nodes: usize,
 }
 
 impl Painter {
-    fn new(args: &Render, stage: &Stage, colour: Option<ColourMode>) -> Result<Self, Error> {
+    fn new(args: &Render, stage: &Stage) -> Result<Self, Error> {
         let gpu = Gpu::headless()?;
-        let mut scene = GpuScene::upload(&gpu, &stage.data, stage.order())?;
-        if let Some(mode) = colour {
-            scene.set_tints(&gpu, Some(&stage.tints(mode)));
-        }
+        let scene = GpuScene::upload(&gpu, &stage.data, stage.upload_order())?;
         let (width, height) = args.size;
         let offscreen = Offscreen::new(&gpu, width, height)?;
         let renderer = Offscreen::renderer(&gpu);
@@ -144,6 +152,7 @@ impl Painter {
         stage: &mut Stage,
         view: &View,
         method: Method,
+        colour: Option<ColourMode>,
     ) -> Result<Drawn, Error> {
         let mut settings = stage.recommended();
         if let Some(quality) = args.quality {
@@ -155,13 +164,21 @@ impl Painter {
         let budget = args.budget.map_or(Budget::Unlimited, Budget::Triangles);
         let (width, height) = args.size;
         let start = Instant::now();
-        let mut objects = stage.cull(view, width, height, method, &settings, &budget).to_vec();
+        let mut objects = if args.proxies == Switch::On {
+            let detail = args.detail.detail();
+            stage.select(view, width, height, method, &settings, &detail, &budget).to_vec()
+        } else {
+            stage.cull(view, width, height, method, &settings, &budget).to_vec()
+        };
         let cull_us = start.elapsed().as_secs_f64() * 1e6;
         if method == Method::Exact {
             objects = visible_objects(&self.items(view, &objects)?);
         }
         let frame = Frame { view: *view, objects: &objects, lines: &[] };
         let Self { gpu, scene, offscreen, renderer } = self;
+        if let Some(mode) = colour {
+            scene.set_tints(gpu, Some(&stage.tints(mode)));
+        }
         // The first frame also sets up what later ones reuse.
         offscreen.time(gpu, renderer, scene, &frame)?;
         let time = offscreen.time(gpu, renderer, scene, &frame)?;
@@ -170,7 +187,15 @@ impl Painter {
         } else {
             offscreen.image(gpu, renderer, scene, &frame)?
         };
-        Ok(Drawn { image, adapter: self.gpu.description(), cull_us, time })
+        Ok(Drawn {
+            image,
+            adapter: self.gpu.description(),
+            cull_us,
+            time,
+            proxies: stage.count(&objects, Kind::Proxy),
+            levels: stage.count(&objects, Kind::Level),
+            nodes: stage.nodes_shown(&objects),
+        })
     }
 
     fn items(&mut self, view: &View, objects: &[u32]) -> Result<svs_render::ItemBuffer, RenderError> {
@@ -204,7 +229,10 @@ fn report(args: &Render, common: &Common, stage: &Stage, drawn: &Drawn) -> Resul
         "notice": stage.notice(),
         "adapter": drawn.adapter,
         "scene_objects": stage.scene.objects.len(),
-        "objects": statistics.objects,
+        "objects": statistics.objects - drawn.proxies,
+        "simplified_objects": drawn.levels,
+        "proxies": drawn.proxies,
+        "hlod_nodes": drawn.nodes,
         "triangles": statistics.triangles,
         "draw_calls": statistics.draw_calls,
         "cull_us": drawn.cull_us,
@@ -213,16 +241,24 @@ fn report(args: &Render, common: &Common, stage: &Stage, drawn: &Drawn) -> Resul
         "gpu_ms": time.gpu_ms,
         "notes": notes,
     });
-    let objects = output::count(statistics.objects as u64);
+    let objects = output::count((statistics.objects - drawn.proxies) as u64);
     let all = output::count(stage.scene.objects.len() as u64);
     let mut rows = vec![
         ("drawn by", drawn.adapter.clone()),
         ("objects", format!("{objects} of {all}")),
+        ("simplified", output::count(drawn.levels as u64)),
+        (
+            "proxies",
+            format!("{} ({} nodes)", output::count(drawn.proxies as u64), output::count(drawn.nodes as u64)),
+        ),
         ("triangles", output::count(statistics.triangles)),
         ("draw calls", output::count(statistics.draw_calls as u64)),
         ("culled in", format!("{} us", output::number(drawn.cull_us))),
         ("frame", format!("{} ms", output::number(time.wall_ms))),
     ];
+    if !stage.has_proxies() {
+        rows.retain(|(name, _)| !["simplified", "proxies"].contains(name));
+    }
     rows.extend(stage.notice().map(|notice| ("note", notice.to_owned())));
     rows.extend(
         stage

@@ -1,12 +1,13 @@
 //! Scene, culler and renderer, ready to be asked for frames.
 
 use super::error::EvaluateError;
-use super::options::{EvaluateOptions, EvaluationMethod, FrameBudget};
+use super::method::EvaluationMethod;
+use super::options::{EvaluateOptions, FrameBudget};
 use crate::gltf::Document;
 use crate::stage::{Method, Stage};
 use std::time::Instant;
 use svs_render::{Frame, FrameTime, Gpu, GpuScene, Image, ItemBuffer, Offscreen, Renderer, SceneData, View};
-use svs_runtime::{Budget, CostModel, Settings};
+use svs_runtime::{Budget, CostModel, Detail, Settings};
 
 /// What a frame is drawn with, apart from the method.
 pub(super) struct Shot {
@@ -20,10 +21,11 @@ pub(super) struct Shot {
 /// Says what a method draws.
 pub(super) struct Cullers {
     pub(super) stage: Stage,
-    /// With a culler of its own: what was drawn in the last frame counts for [`EvaluationMethod::Budget`], and the other
-    /// methods must not come between.
-    budgeted: Option<Stage>,
+    /// With cullers of their own: what was drawn in the last frame counts for these methods, and the others must not come
+    /// between.
+    with_memory: Vec<(EvaluationMethod, Stage)>,
     pub(super) settings: Settings,
+    detail: Detail,
     pub(super) cost: CostModel,
     milliseconds: Option<f64>,
     width: u32,
@@ -34,29 +36,29 @@ impl Cullers {
     /// The objects that a method draws.
     pub(super) fn cull<'a>(&'a mut self, shot: &'a Shot, method: EvaluationMethod) -> &'a [u32] {
         let capacity = shot.triangles.unwrap_or(u64::MAX);
+        let found = self.with_memory.iter_mut().find(|(own, _)| *own == method);
+        let stage = found.map_or(&mut self.stage, |(_, stage)| stage);
+        let limit = match (self.milliseconds, shot.triangles) {
+            (Some(most), _) => Budget::Milliseconds(most, &self.cost),
+            (None, Some(most)) => Budget::Triangles(most),
+            (None, None) => Budget::Unlimited,
+        };
+        let (width, height, settings) = (self.width, self.height, &self.settings);
+        if let Some(metric) = method.draws_proxies() {
+            let detail = Detail { metric: metric.unwrap_or(self.detail.metric), ..self.detail };
+            let by =
+                if method == EvaluationMethod::ProxiesFrustum { Method::Frustum } else { Method::Visibility };
+            return stage.select(&shot.view, width, height, by, settings, &detail, &limit);
+        }
         let (method, budget) = match method {
             EvaluationMethod::Exact => return &shot.exact,
             EvaluationMethod::Nothing => (Method::Nothing, Budget::Unlimited),
             EvaluationMethod::Frustum => (Method::Frustum, Budget::Unlimited),
-            EvaluationMethod::Visibility => (Method::Visibility, Budget::Unlimited),
             EvaluationMethod::FirstMisfit => (Method::Visibility, Budget::StopAtFirstMisfit(capacity)),
-            EvaluationMethod::Budget => {
-                let budget = match self.milliseconds {
-                    Some(most) => Budget::Milliseconds(most, &self.cost),
-                    None => Budget::Triangles(capacity),
-                };
-                let stage = self.budgeted.as_mut().unwrap_or(&mut self.stage);
-                return stage.cull(
-                    &shot.view,
-                    self.width,
-                    self.height,
-                    Method::Visibility,
-                    &self.settings,
-                    &budget,
-                );
-            }
+            EvaluationMethod::Budget => (Method::Visibility, limit),
+            _ => (Method::Visibility, Budget::Unlimited),
         };
-        self.stage.cull(&shot.view, self.width, self.height, method, &self.settings, &budget)
+        stage.cull(&shot.view, width, height, method, settings, &budget)
     }
 
     pub(super) fn triangles_of(&self, objects: &[u32]) -> u64 {
@@ -92,19 +94,21 @@ impl Bench {
         let mut stage = Stage::open(doc)?;
         let gpu = Gpu::headless()?;
         let offscreen = Offscreen::new(&gpu, options.width, options.height)?;
-        let scene = GpuScene::upload(&gpu, &stage.data, stage.order())?;
+        let scene = GpuScene::upload(&gpu, &stage.data, stage.upload_order())?;
         // It is on the GPU now.
         stage.data = SceneData::default();
-        let budgeted = if options.methods.contains(&EvaluationMethod::Budget) {
-            let mut budgeted = Stage::open(doc)?;
-            budgeted.data = SceneData::default();
-            Some(budgeted)
-        } else {
-            None
-        };
+        let mut with_memory = Vec::new();
+        let mut methods: Vec<EvaluationMethod> = options.methods.clone();
+        methods.extend(Some(options.reference).filter(|reference| !options.methods.contains(reference)));
+        for method in methods.into_iter().filter(|method| method.has_memory()) {
+            let mut stage = Stage::open(doc)?;
+            stage.data = SceneData::default();
+            with_memory.push((method, stage));
+        }
         let cullers = Cullers {
             settings: options.quality.map_or_else(|| stage.recommended(), Settings::from_quality),
-            budgeted,
+            with_memory,
+            detail: options.detail,
             stage,
             cost: CostModel::new(),
             milliseconds: match options.budget {

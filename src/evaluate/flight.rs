@@ -16,6 +16,7 @@ pub(super) fn flights(stage: &Stage, options: &EvaluateOptions) -> Vec<Flight> {
     let around = stage.surroundings();
     let paths = match (options.paths.as_slice(), options.tour) {
         ([], Tour::Outside) => vec![CameraPath::outside(&around)],
+        ([], Tour::Inspection) => vec![CameraPath::inspection(&around)],
         ([], Tour::Inside) => vec![CameraPath::inside(&around)],
         ([], Tour::Both) => vec![CameraPath::outside(&around), CameraPath::inside(&around)],
         (paths, _) => paths.to_vec(),

@@ -16,7 +16,8 @@
 //! ```
 //!
 //! - Cameras go along the paths in fixed steps, so that every method, machine and day sees the same frames.
-//! - The **reference** is the picture with frustum culling, and its item buffer: which object each pixel shows.
+//! - The **reference** is the picture with frustum culling, and its item buffer: which object each pixel shows. Pictures may
+//!   be compared with those of another method instead.
 //! - **Pictures** are compared untimed: structural similarity over an image pyramid, signal-to-noise ratios of brightness
 //!   and colour, missing objects and their pixels, objects drawn for nothing.
 //! - **Times** are taken offscreen, where nothing waits for a display, in several passes. Within a pass the methods take
@@ -31,6 +32,7 @@ mod error;
 mod figures;
 mod flight;
 mod machine;
+mod method;
 pub mod metrics;
 mod options;
 mod quality;
@@ -42,10 +44,11 @@ mod timing;
 pub use error::EvaluateError;
 pub use figures::{Figures, Likeness};
 pub use machine::Machine;
-pub use options::{EvaluateOptions, EvaluationMethod, FrameBudget, OptionError, Tour};
+pub use method::EvaluationMethod;
+pub use options::{EvaluateOptions, FrameBudget, OptionError, Tour};
 pub use report::{REPORT_FILES, ReportError};
 pub use result::{
     CostReport, Evaluation, FrameResult, MethodSummary, MissingObject, PathEvaluation, QualityResult,
-    Settings, TimeResult, TimeSource, WorstFrame,
+    Settings, Simplified, TimeResult, TimeSource, WorstFrame,
 };
 pub use run::evaluate;

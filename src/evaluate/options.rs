@@ -1,64 +1,10 @@
 //! What to measure.
 
+use super::method::EvaluationMethod;
 use crate::camera_path::CameraPath;
 use std::fmt;
 use std::str::FromStr;
-
-/// What decides which objects a frame draws.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum EvaluationMethod {
-    /// Everything is drawn.
-    Nothing,
-    /// Hierarchical frustum culling: the reference.
-    Frustum,
-    /// Spherical visibility at the chosen quality.
-    Visibility,
-    /// What the item buffer of the reference shows, and nothing else. Finding it is not part of its time.
-    Exact,
-    /// Spherical visibility within a budget.
-    Budget,
-    /// Spherical visibility within the same budget by the rule of Eikel's dissertation (2013): in order of visible pixels
-    /// per triangle up to the first object that does not fit.
-    FirstMisfit,
-}
-
-impl EvaluationMethod {
-    /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Nothing, Self::Frustum, Self::Visibility, Self::Exact, Self::Budget, Self::FirstMisfit];
-
-    /// As on the command line and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nothing => "nothing",
-            Self::Frustum => "frustum",
-            Self::Visibility => "visibility",
-            Self::Exact => "exact",
-            Self::Budget => "budget",
-            Self::FirstMisfit => "first-misfit",
-        }
-    }
-
-    /// It needs [`EvaluateOptions::budget`].
-    pub fn is_budgeted(self) -> bool {
-        matches!(self, Self::Budget | Self::FirstMisfit)
-    }
-}
-
-impl fmt::Display for EvaluationMethod {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for EvaluationMethod {
-    type Err = OptionError;
-
-    fn from_str(text: &str) -> Result<Self, OptionError> {
-        let found = Self::ALL.into_iter().find(|method| method.name() == text);
-        found.ok_or_else(|| OptionError::Method(text.to_owned()))
-    }
-}
+use svs_runtime::Detail;
 
 /// How much a frame may draw or take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,9 +57,11 @@ pub enum Tour {
     Outside,
     /// A walk through it.
     Inside,
-    /// One after the other.
+    /// Outside and inside, one after the other.
     #[default]
     Both,
+    /// Turns about the scene, from overview to close-up and back.
+    Inspection,
 }
 
 /// What to measure. The default is what `svs evaluate` does.
@@ -127,8 +75,13 @@ pub struct EvaluateOptions {
     pub methods: Vec<EvaluationMethod>,
     /// Quality of the visibility query, 0 to 1; `None`: as the file recommends, else the runtime's default.
     pub quality: Option<f32>,
-    /// For the methods with a budget.
+    /// For the methods with a budget, and for those that draw proxies.
     pub budget: Option<FrameBudget>,
+    /// For the methods that draw proxies.
+    pub detail: Detail,
+    /// Whose pictures the others are compared with. Missing objects and holes are always those of
+    /// [`EvaluationMethod::Frustum`].
+    pub reference: EvaluationMethod,
     /// Frames of each path.
     pub frames: usize,
     /// How often each frame is timed with each method.
@@ -147,6 +100,8 @@ impl Default for EvaluateOptions {
             methods: vec![EvaluationMethod::Frustum, EvaluationMethod::Visibility, EvaluationMethod::Exact],
             quality: None,
             budget: None,
+            detail: Detail::default(),
+            reference: EvaluationMethod::Frustum,
             frames: 48,
             passes: 3,
             width: 1280,
@@ -165,6 +120,11 @@ const MOST_FRAMES: usize = 100_000;
 const MOST_PASSES: usize = 1000;
 
 impl EvaluateOptions {
+    /// A method keeps within the budget.
+    pub fn limits(&self, method: EvaluationMethod) -> bool {
+        self.budget.is_some() && (method.is_budgeted() || method.draws_proxies().is_some())
+    }
+
     /// Whether they make sense together.
     ///
     /// # Errors
@@ -194,6 +154,12 @@ impl EvaluateOptions {
         for side in [self.width, self.height] {
             range("pixels a side", side.into(), LEAST_SIZE.into(), MOST_SIZE.into())?;
         }
+        if !(self.detail.tau.is_finite() && self.detail.tau >= 0.0) {
+            return Err(OptionError::Detail);
+        }
+        if self.reference.is_budgeted() && self.budget.is_none() {
+            return Err(OptionError::NoBudget(self.reference));
+        }
         match self.quality {
             Some(quality) if !(0.0..=1.0).contains(&quality) => Err(OptionError::Quality),
             _ => Ok(()),
@@ -207,7 +173,8 @@ impl EvaluateOptions {
 pub enum OptionError {
     /// No such method.
     #[error(
-        "there is no method {0:?}; there are nothing, frustum, visibility, exact, budget and first-misfit"
+        "there is no method {0:?}; there are nothing, frustum, visibility, exact, budget, first-misfit, proxies, proxies-sse, \
+         proxies-linear and proxies-frustum"
     )]
     Method(String),
     /// No method at all.
@@ -240,6 +207,9 @@ pub enum OptionError {
     /// Quality is out of its range.
     #[error("the quality must be a number from 0 to 1")]
     Quality,
+    /// The error in pixels is none.
+    #[error("the error in pixels must be a finite number, 0 or more")]
+    Detail,
 }
 
 #[cfg(test)]
@@ -277,6 +247,8 @@ mod tests {
         assert!(with(&|o| o.width = 0).is_err());
         assert!(with(&|o| o.height = 10_000).is_err());
         assert!(with(&|o| o.quality = Some(f32::NAN)).is_err());
+        assert!(with(&|o| o.detail.tau = f32::NAN).is_err());
+        assert!(with(&|o| o.reference = EvaluationMethod::Budget).is_err());
         assert!(with(&|o| o.methods.clear()).is_err());
         assert!(with(&|o| o.methods.push(EvaluationMethod::Frustum)).is_err());
         assert!(with(&|o| o.methods.push(EvaluationMethod::Budget)).is_err());

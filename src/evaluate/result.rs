@@ -2,7 +2,8 @@
 
 use super::figures::{Figures, Likeness, median_of};
 use super::machine::Machine;
-use super::options::{EvaluateOptions, EvaluationMethod};
+use super::method::EvaluationMethod;
+use super::options::EvaluateOptions;
 use serde::{Serialize, Serializer};
 use svs_render::Image;
 
@@ -52,6 +53,12 @@ pub struct Settings {
     pub query: String,
     /// The budget, in words.
     pub budget: Option<String>,
+    /// Largest error of what is drawn simplified, pixels, where it is in full view.
+    pub detail_px: f32,
+    /// How much of the error counts, as on the command line.
+    pub metric: String,
+    /// The method whose pictures the others are compared with.
+    pub reference: String,
     /// Where `frame_ms` comes from.
     pub time_source: TimeSource,
 }
@@ -131,10 +138,23 @@ pub struct FrameResult {
     pub draw_calls: usize,
     /// Triangles drawn.
     pub triangles: u64,
+    /// What of it is simplified.
+    pub simplified: Simplified,
     /// Most triangles allowed, for a method with a budget in triangles.
     pub triangle_budget: Option<u64>,
     /// The picture beside the reference.
     pub quality: QualityResult,
+}
+
+/// What of a draw list stands for something finer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Simplified {
+    /// Proxies.
+    pub proxies: usize,
+    /// Objects at a simplified level.
+    pub levels: usize,
+    /// HLOD nodes: the proxies, and the innermost proxy nodes of which objects are drawn themselves.
+    pub nodes: usize,
 }
 
 /// Times of a frame: each the median over the passes.
@@ -165,8 +185,13 @@ pub struct QualityResult {
     pub missing_objects: usize,
     /// Pixels that show one of them, per million pixels of the picture.
     pub missing_ppm: f64,
-    /// Objects drawn that no pixel of the reference shows.
+    /// Objects drawn that no pixel of the reference shows; a proxy counts if no pixel shows any object it stands for.
     pub overdrawn_objects: usize,
+    /// Pixels of the largest region (neighbours share an edge) where the reference shows an object and the picture shows
+    /// nothing at all.
+    pub largest_hole: usize,
+    /// Pixels of the largest region that shows missing objects in the reference.
+    pub largest_missing: usize,
     /// Structural similarity.
     pub ssim: f64,
     /// Peak signal-to-noise ratio of luma, decibels.
@@ -206,6 +231,16 @@ pub struct MethodSummary {
     pub missing_objects: Figures,
     /// Objects drawn that are not seen.
     pub overdrawn_objects: Figures,
+    /// Pixels of the largest region that shows nothing where the reference shows something.
+    pub largest_hole: Figures,
+    /// Pixels of the largest region of missing objects.
+    pub largest_missing: Figures,
+    /// Proxies drawn.
+    pub proxies: Figures,
+    /// Objects drawn at a simplified level.
+    pub levels: Figures,
+    /// HLOD nodes drawn, see [`Simplified::nodes`].
+    pub nodes: Figures,
     /// CPU's part of drawing, milliseconds.
     pub cpu_ms: Figures,
     /// GPU time by timestamps, milliseconds, if every frame has it.
@@ -240,6 +275,11 @@ impl MethodSummary {
             draw_calls: figures(&|f| f.draw_calls as f64),
             missing_objects: figures(&|f| f.quality.missing_objects as f64),
             overdrawn_objects: figures(&|f| f.quality.overdrawn_objects as f64),
+            largest_hole: figures(&|f| f.quality.largest_hole as f64),
+            largest_missing: figures(&|f| f.quality.largest_missing as f64),
+            proxies: figures(&|f| f.simplified.proxies as f64),
+            levels: figures(&|f| f.simplified.levels as f64),
+            nodes: figures(&|f| f.simplified.nodes as f64),
             cpu_ms: figures(&|f| f.time.cpu_ms),
             gpu_ms: gpu.map(Figures::of),
             wall_ms: figures(&|f| f.time.wall_ms),

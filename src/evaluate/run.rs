@@ -4,7 +4,8 @@ use super::bench::{Bench, Shot};
 use super::error::EvaluateError;
 use super::flight::{Flight, flights};
 use super::machine::Machine;
-use super::options::{EvaluateOptions, EvaluationMethod, FrameBudget};
+use super::method::EvaluationMethod;
+use super::options::{EvaluateOptions, FrameBudget};
 use super::quality;
 use super::result::{
     CostReport, Evaluation, FrameResult, MethodSummary, PathEvaluation, Settings, TimeSource,
@@ -12,7 +13,7 @@ use super::result::{
 use super::timing::{self, Timed};
 use crate::bake::Progress;
 use crate::gltf::Document;
-use crate::stage::visible_objects;
+use crate::stage::{metric_name, visible_objects};
 
 /// Flies camera paths through the scene of `doc` with each method. `scene` is what the report calls it.
 ///
@@ -57,6 +58,9 @@ pub fn evaluate(
             quality: options.quality,
             query: query(&bench.cullers.settings),
             budget: options.budget.map(|budget| budget.to_string()),
+            detail_px: options.detail.tau,
+            metric: metric_name(&options.detail.metric),
+            reference: options.reference.to_string(),
             time_source: source,
         },
         machine: Machine::this(bench.gpu.adapter.get_info()),
@@ -97,14 +101,14 @@ fn fly(
         .iter_mut()
         .map(|frames| frames.iter_mut().map(|frame| frame.objects.take()).collect())
         .collect();
-    let (quality, worst) = quality::compare(bench, &shots, &options.methods, &lists, progress)?;
+    let (quality, worst) = quality::compare(bench, &shots, options, &lists, progress)?;
 
     let mut frames = Vec::with_capacity(frames);
     for (frame, shot) in shots.iter().enumerate() {
         for (place, &method) in options.methods.iter().enumerate() {
             let Timed { time, draws, draw_calls, triangles, .. } = timed[place][frame];
-            let triangle_budget = shot.triangles.filter(|_| method.is_budgeted());
-            let quality = quality[place][frame];
+            let triangle_budget = shot.triangles.filter(|_| options.limits(method));
+            let (quality, simplified) = quality[place][frame];
             frames.push(FrameResult {
                 frame,
                 method,
@@ -112,6 +116,7 @@ fn fly(
                 draws,
                 draw_calls,
                 triangles,
+                simplified,
                 triangle_budget,
                 quality,
             });
@@ -158,10 +163,16 @@ fn notice(bench: &Bench, options: &EvaluateOptions) -> Option<String> {
     let by_visibility =
         [EvaluationMethod::Visibility, EvaluationMethod::Budget, EvaluationMethod::FirstMisfit];
     let matters = options.methods.iter().any(|method| by_visibility.contains(method));
+    let wants_proxies = options.methods.iter().any(|method| method.draws_proxies().is_some());
     match stage.notice() {
         Some(notice) => Some(notice.to_owned()),
         None if matters && !stage.is_baked() => Some(
             "The file holds no baked visibility: method visibility is frustum culling here. Run `svs build` on it first."
+                .to_owned(),
+        ),
+        None if wants_proxies && !stage.has_proxies() => Some(
+            "The file holds no proxies: the methods with proxies draw the objects themselves. Run `svs build --proxies auto` \
+             on it."
                 .to_owned(),
         ),
         None => None,

@@ -3,7 +3,8 @@
 use super::bench::{Bench, Flown, Shot};
 use super::error::EvaluateError;
 use super::figures::median_of;
-use super::options::{EvaluateOptions, EvaluationMethod, FrameBudget};
+use super::method::EvaluationMethod;
+use super::options::{EvaluateOptions, FrameBudget};
 use super::result::{TimeResult, TimeSource};
 use crate::bake::Progress;
 use svs_render::FrameTime;
@@ -92,12 +93,12 @@ pub(super) fn measure(
                 let place = (turn + frame + pass) % methods.len();
                 let method = methods[place];
                 let Flown { cull_us, objects, time } = bench.fly(shot, method)?;
-                let depends_on_the_past = method == EvaluationMethod::Budget;
+                let depends_on_the_past = method.has_memory();
                 if depends_on_the_past && pass + 1 == options.passes {
                     lists[place][frame] = Some(objects.to_vec());
                 }
                 let count = objects.len() as u64;
-                if depends_on_the_past && learning {
+                if method == EvaluationMethod::Budget && learning {
                     learn(bench, count, cull_us, &time, source);
                 }
                 samples[place][frame].push(Sample {

@@ -1,6 +1,7 @@
-//! Colours that show something else than materials: which object it is, how high its visible level is, how important.
+//! Colours that show something else than materials: which object it is, how high its visible level is, how important,
+//! whether it is a proxy, and how much its visibility has coarsened it.
 
-use super::Stage;
+use super::{Extra, Stage};
 use std::str::FromStr;
 
 /// What objects are coloured by, instead of their materials.
@@ -14,11 +15,22 @@ pub enum ColourMode {
     /// By the largest visible area, in square metres, from outside the object's own group; on a logarithmic scale over
     /// the objects of the file.
     Importance,
+    /// What it is: objects as they are grey, simplified ones blue, proxies orange, neighbours in different shades.
+    Proxies,
+    /// Heat map of 1 - P(mu) of what [`Stage::select`] drew last, how much less of its error counts because little of it is
+    /// visible: blue is 0, red is 1.
+    Severity,
 }
 
 impl ColourMode {
     /// All modes.
-    pub const ALL: [ColourMode; 3] = [ColourMode::Object, ColourMode::Level, ColourMode::Importance];
+    pub const ALL: [ColourMode; 5] = [
+        ColourMode::Object,
+        ColourMode::Level,
+        ColourMode::Importance,
+        ColourMode::Proxies,
+        ColourMode::Severity,
+    ];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
@@ -26,6 +38,8 @@ impl ColourMode {
             ColourMode::Object => "object",
             ColourMode::Level => "level",
             ColourMode::Importance => "importance",
+            ColourMode::Proxies => "proxies",
+            ColourMode::Severity => "severity",
         }
     }
 }
@@ -41,7 +55,7 @@ impl FromStr for ColourMode {
 
 /// A name that no colour mode has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no colour mode {name:?}: use object, level or importance")]
+#[error("there is no colour mode {name:?}: use object, level, importance, proxies or severity")]
 pub struct UnknownColourMode {
     /// What was asked for.
     pub name: String,
@@ -52,6 +66,11 @@ const STRENGTH: u8 = 217;
 
 /// Of what has no level or importance: objects in no tree.
 const UNKNOWN: [u8; 3] = [128, 128, 128];
+
+/// Objects as they are, simplified ones, and proxies.
+const PLAIN: [u8; 3] = [200, 200, 195];
+const SIMPLIFIED: [u8; 3] = [60, 130, 240];
+const PROXY: [u8; 3] = [250, 140, 30];
 
 /// Smallest span of the importance scale, in powers of ten, so that equal areas do not get the ends of the palette.
 const LEAST_DECADES: f64 = 1.0;
@@ -71,10 +90,11 @@ const VIRIDIS: [[u8; 3]; 9] = [
 ];
 
 impl Stage {
-    /// A tint for each object: sRGB, and how much it replaces the material's colour.
+    /// A tint for each object, then for each level (its object's, where the mode is about objects) and each proxy (that of
+    /// the first object it stands for): sRGB, and how much it replaces the material's colour.
     pub fn tints(&self, mode: ColourMode) -> Vec<[u8; 4]> {
-        let colours: Vec<[u8; 3]> = match mode {
-            ColourMode::Object => (0..self.triangles.len() as u32).map(object_colour).collect(),
+        let mut colours: Vec<[u8; 3]> = match mode {
+            ColourMode::Object => self.each(object_colour),
             ColourMode::Level => {
                 let level = |object: u32| {
                     let (tree, place) = self.place(object)?;
@@ -92,7 +112,28 @@ impl Stage {
                 let share = |area: f64| 1.0 - (high - area.log10()) / span;
                 areas.iter().map(|area| area.map_or(UNKNOWN, |area| palette(share(area)))).collect()
             }
+            ColourMode::Proxies => self.each(|object| shade(PLAIN, object)),
+            ColourMode::Severity => self.each(|_| UNKNOWN),
         };
+        for (id, extra) in self.extras.iter().flat_map(|extras| extras.all()) {
+            colours.push(match (mode, extra) {
+                (ColourMode::Proxies, Extra::Level { object, .. }) => shade(SIMPLIFIED, object),
+                (ColourMode::Proxies, Extra::Proxy { .. }) => shade(PROXY, id),
+                (ColourMode::Severity, _) => UNKNOWN,
+                (_, Extra::Level { object, .. }) => colours[object as usize],
+                (ColourMode::Object, Extra::Proxy { .. }) => object_colour(id),
+                (_, Extra::Proxy { .. }) => {
+                    self.first_object_of(id).map_or(UNKNOWN, |object| colours[object as usize])
+                }
+            });
+        }
+        if mode == ColourMode::Severity {
+            for (id, ratio) in self.ratios() {
+                if let Some(colour) = colours.get_mut(id as usize) {
+                    *colour = heat(1.0 - f64::from(ratio));
+                }
+            }
+        }
         colours.into_iter().map(|[r, g, b]| [r, g, b, STRENGTH]).collect()
     }
 
@@ -111,6 +152,19 @@ impl Stage {
         let draw = self.draw_of(object)?;
         Some((self.trees().get(draw.tree as usize)?, draw.object as usize))
     }
+}
+
+/// One colour in one of several shades, so that neighbours differ.
+fn shade(colour: [u8; 3], index: u32) -> [u8; 3] {
+    let strength = 0.62 + 0.38 * (f64::from(index) * 0.618_033_988_749_895).fract();
+    colour.map(|channel| (f64::from(channel) * strength).round() as u8)
+}
+
+/// The colour of a severity: blue at 0, magenta between, red at 1.
+pub fn heat(severity: f64) -> [u8; 3] {
+    let share = if severity.is_nan() { 0.0 } else { severity.clamp(0.0, 1.0) };
+    let channel = |strength: f64| ((2.0 * strength).min(1.0) * 235.0).round() as u8;
+    [channel(share), 20, channel(1.0 - share)]
 }
 
 /// A colour for each object: hues by the golden ratio, so that neighbours in the list differ, in three brightnesses.
@@ -148,6 +202,12 @@ mod tests {
         assert!((0..100).all(|i| brightness(f64::from(i) / 100.0) < brightness(f64::from(i + 1) / 100.0)));
         assert_eq!((palette(-1.0), palette(2.0)), (VIRIDIS[0], VIRIDIS[8]));
         assert_eq!(palette(f64::NAN), VIRIDIS[0]);
+    }
+
+    #[test]
+    fn heat_goes_from_blue_over_magenta_to_red() {
+        assert_eq!([heat(0.0), heat(0.5), heat(1.0)], [[0, 20, 235], [235, 20, 235], [235, 20, 0]]);
+        assert_eq!([heat(f64::NAN), heat(-3.0), heat(9.0)], [heat(0.0), heat(0.0), heat(1.0)]);
     }
 
     #[test]

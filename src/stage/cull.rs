@@ -19,10 +19,11 @@ impl Stage {
         budget: &Budget<'_>,
     ) -> &[u32] {
         self.drawn.clear();
+        self.ratios.clear();
         let settings = match method {
             Method::Nothing => {
                 let hidden = &self.hidden;
-                self.drawn.extend(self.order.iter().filter(|&&object| !hidden[object as usize]));
+                self.drawn.extend(self.order[..self.own].iter().filter(|&&object| !hidden[object as usize]));
                 return &self.drawn;
             }
             Method::Frustum | Method::Exact => &Settings::FRUSTUM,

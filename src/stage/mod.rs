@@ -2,29 +2,41 @@
 //!
 //! Files without baked visibility, or with one that is broken or of another state of the scene, are opened too: they are
 //! culled by the frustum alone, and [`Stage::notice`] says why.
+//!
+//! Proxies and simplified levels of meshes are further objects of [`Stage::data`], after those of the scene: what draws
+//! needs no change for them. [`Stage::select`] chooses among all; [`Stage::cull`] knows the scene's own objects alone.
 
 mod colours;
 mod cull;
 mod exact;
+mod extras;
 mod method;
+mod metric;
 mod open;
+mod select;
+mod stretch;
 #[cfg(test)]
 mod tests;
 
-pub use colours::{ColourMode, UnknownColourMode, object_colour, palette};
+pub use colours::{ColourMode, UnknownColourMode, heat, object_colour, palette};
 pub use exact::visible_objects;
+pub use extras::Extra;
 pub use method::{Method, UnknownMethod};
+pub use metric::{SIGMOID, UnknownMetric, metric_name, parse_metric};
 pub use open::StageError;
+pub use select::Kind;
 
 use crate::bake::tree::{Aabb, Sphere};
 use crate::baked::Baked;
 use crate::scene::{Note, Scene};
 use crate::verify::Surroundings;
+use extras::Extras;
 use glam::DVec3;
 use svs_render::{SceneData, View};
 use svs_runtime::{Camera, Draw, LOOSE, SceneCuller, Settings, Tree};
 
-/// A file opened for drawing. Objects have the same index in [`Stage::scene`], in [`Stage::data`] and everywhere else.
+/// A file opened for drawing. Objects have the same index in [`Stage::scene`], in [`Stage::data`] and everywhere else;
+/// proxies and levels have those after them.
 #[derive(Debug)]
 pub struct Stage {
     /// The scene as the bake reads it.
@@ -39,8 +51,12 @@ pub struct Stage {
     notice: Option<String>,
     culler: SceneCuller,
     settings: Settings,
-    /// Objects in the order in which the culler answers.
+    /// Proxies and levels, if there are any.
+    extras: Option<Extras>,
+    /// Objects in the order in which the culler answers, then levels and proxies.
     order: Vec<u32>,
+    /// How many of them are objects of the scene.
+    own: usize,
     /// What stands for each object in the culler's answers; `None` for those that are never drawn.
     draws: Vec<Option<Draw>>,
     /// Drawable objects in no tree.
@@ -50,6 +66,8 @@ pub struct Stage {
     triangles: Vec<u32>,
     hidden: Vec<bool>,
     drawn: Vec<u32>,
+    /// Of what was drawn last, where it was selected: the share of its error that counted.
+    ratios: Vec<f32>,
 }
 
 impl Stage {
@@ -63,8 +81,13 @@ impl Stage {
         self.notice.as_deref()
     }
 
-    /// All drawable objects in the order in which culling answers: what to upload the scene with.
+    /// All drawable objects in the order in which culling answers.
     pub fn order(&self) -> &[u32] {
+        &self.order[..self.own]
+    }
+
+    /// [`Stage::order`], then levels and proxies, neighbours beside each other: what to upload the scene with.
+    pub fn upload_order(&self) -> &[u32] {
         &self.order
     }
 

@@ -1,7 +1,8 @@
 //! Opens files.
 
+use super::extras::{self, Extras};
 use super::{Stage, object_of};
-use crate::appearance::{self, AppearanceError};
+use crate::appearance::{self, Appearance, AppearanceError};
 use crate::bake::subject::box_in_tree;
 use crate::bake::tree::Aabb;
 use crate::baked::{Baked, BakedError, outward};
@@ -45,7 +46,11 @@ impl Stage {
     /// [`Stage::notice`].
     pub fn open(doc: &Document) -> Result<Stage, StageError> {
         let (scene, trees) = trees(doc)?;
-        let looks = appearance::read(doc, &scene)?;
+        let Trees { baked, mut culler, mut notice } = trees;
+        let (looks, extras, broken) = looks(doc, &scene, baked.as_ref(), &mut culler)?;
+        if let Some(broken) = broken {
+            notice.get_or_insert(format!("the proxies cannot be used ({broken}); shown without them"));
+        }
         let bounds = |object: &Object| {
             let mesh = &scene.meshes[object.mesh as usize];
             let bounds = box_in_tree(mesh, &object.to_world);
@@ -55,7 +60,6 @@ impl Stage {
         let boxes: Vec<Aabb> = scene.objects.iter().map(bounds).collect();
         let triangle = |object: &Object| scene.meshes[object.mesh as usize].drawn_triangles;
         let triangles: Vec<u32> = scene.objects.iter().map(triangle).collect();
-        let Trees { baked, mut culler, notice } = trees;
         let mut draws = vec![None; scene.objects.len()];
         for (draw, object) in baked.iter().flat_map(Baked::draws) {
             // A file may name one object in two trees: the first one stands for it.
@@ -70,7 +74,16 @@ impl Stage {
             loose.iter().filter_map(|&object| outward(&boxes[object as usize])).collect();
         let loose_triangles: Vec<u32> = loose.iter().map(|&object| triangles[object as usize]).collect();
         culler.set_loose(&loose_boxes, &loose_triangles)?;
-        let order = order(&mut culler, |draw| object_of(baked.as_ref(), &loose, draw));
+        let mut order = order(&mut culler, |draw| object_of(baked.as_ref(), &loose, draw));
+        let own = order.len();
+        if let Some(extras) = &extras {
+            let trees = baked.as_ref().map_or(&[][..], Baked::trees);
+            let depth = |tree: u32, node: u32| {
+                let nodes = trees.get(tree as usize).and_then(|tree| tree.proxies()).map(|all| all.nodes());
+                nodes.and_then(|nodes| nodes.get(node as usize)).map_or(0, |node| node.depth)
+            };
+            order.extend(extras.order(&order, depth));
+        }
         let settings = baked.as_ref().map_or_else(Settings::default, Baked::settings);
         Ok(Stage {
             names: names(doc, &scene),
@@ -79,6 +92,9 @@ impl Stage {
             notes: looks.notes,
             hidden: vec![false; triangles.len()],
             drawn: Vec::with_capacity(order.len()),
+            ratios: Vec::new(),
+            extras,
+            own,
             scene,
             triangles,
             baked,
@@ -90,6 +106,32 @@ impl Stage {
             loose,
             boxes,
         })
+    }
+}
+
+/// Looks of the scene, and of its proxies and levels if there are any and they can be used; else why not.
+fn looks(
+    doc: &Document,
+    scene: &Scene,
+    baked: Option<&Baked>,
+    culler: &mut SceneCuller,
+) -> Result<(Appearance, Option<Extras>, Option<String>), StageError> {
+    let plain = |broken| -> Result<_, StageError> { Ok((appearance::read(doc, scene)?, None, broken)) };
+    let Some(baked) = baked else { return plain(None) };
+    if let Some(error) = baked.broken_proxies() {
+        return plain(Some(error.to_string()));
+    }
+    let meshes = extras::meshes(doc, scene, baked);
+    if meshes.is_empty() {
+        return plain(None);
+    }
+    let mut looks = match appearance::read_with(doc, scene, &meshes) {
+        Ok(looks) => looks,
+        Err(error) => return plain(Some(error.to_string())),
+    };
+    match Extras::add(doc, scene, baked, &meshes, &mut looks.data, culler) {
+        Ok(extras) => Ok((looks, Some(extras), None)),
+        Err(error) => plain(Some(error.to_string())),
     }
 }
 

@@ -4,7 +4,10 @@
 //! pixel shows. Methods are compared with it: the runtime at its default settings (or those the file recommends), at a
 //! sweep of its quality slider, the **published method** ([`PublishedBake`]) and plain frustum culling. The runtime
 //! crate itself answers, so what is measured is what users run. See [`VerifyReport`] for the figures.
+//!
+//! Proxies and simplified meshes are held against their stated errors: [`CalibrationReport`].
 
+mod calibrate;
 mod cameras;
 mod item_buffer;
 mod methods;
@@ -21,6 +24,7 @@ mod tests;
 mod view;
 
 pub use crate::baked::BakedError as VerifyError;
+pub use calibrate::CalibrationReport;
 pub use cameras::{CAMERA_GROUPS, CameraGroup, CameraOptions, Surroundings, camera};
 pub use item_buffer::{VisibleSet, visible_set};
 pub use published_bake::{PIXEL_LIMIT, PublishedBake, RESOLUTION, Sampling};
@@ -103,6 +107,14 @@ fn measure(
         height: options.height.max(1),
         ..VerifyReport::default()
     };
+    if full {
+        progress.stage("measuring proxies", None);
+        let broken = baked.broken_proxies().map(ToString::to_string);
+        match calibrate::calibrate(doc, &scene, &baked, options.seed) {
+            Ok(calibration) => (report.calibration, report.broken_proxies) = (calibration, broken),
+            Err(error) => report.broken_proxies = Some(error.to_string()),
+        }
+    }
     if target.is_empty() || options.cameras == 0 {
         return Ok(report);
     }

@@ -1,5 +1,6 @@
 //! The result of a verification, for programs (serde) and for people (a text table).
 
+use super::calibrate::CalibrationReport;
 use super::published_bake::Sampling;
 use super::score::{Frame, Score};
 use super::statistics::{Distribution, ratio};
@@ -26,6 +27,12 @@ pub struct VerifyReport {
     pub published: Option<PublishedReport>,
     /// One entry per group of cameras and method.
     pub groups: Vec<GroupReport>,
+    /// How exact proxies and simplified meshes are, if there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<CalibrationReport>,
+    /// Why proxies cannot be used, if they cannot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub broken_proxies: Option<String>,
 }
 
 /// How the published method was baked.
@@ -163,6 +170,12 @@ impl fmt::Display for VerifyReport {
                 rows.iter().filter(|row| !is_distance || !row.method.starts_with("quality")).collect();
             write_group(f, &shown)?;
         }
+        if let Some(calibration) = &self.calibration {
+            write!(f, "{calibration}")?;
+        }
+        if let Some(error) = &self.broken_proxies {
+            writeln!(f, "proxies cannot be used: {error}")?;
+        }
         Ok(())
     }
 }
@@ -263,6 +276,8 @@ mod tests {
             height: 36,
             published: None,
             groups: vec![totals.report("outside", "default"), row],
+            calibration: None,
+            broken_proxies: None,
         }
     }
 

@@ -18,6 +18,12 @@ pub(crate) struct FrameFigures {
     pub(crate) draws: usize,
     /// Triangles of these objects.
     pub(crate) triangles: u64,
+    /// Proxies among them.
+    pub(crate) proxies: usize,
+    /// Simplified objects among them.
+    pub(crate) simplified: usize,
+    /// HLOD nodes that are drawn, see [`crate::stage::Stage::nodes_shown`].
+    pub(crate) nodes: usize,
     /// Estimated pixels of what was left out for its size or the budget, per million pixels of the image.
     pub(crate) estimated_missing_ppm: f64,
 }

@@ -74,7 +74,8 @@ pub(crate) fn file_name(path: &Path) -> String {
 fn open(gpu: &Gpu, path: &Path) -> Result<(Stage, GpuScene), String> {
     let document = Document::read(path).map_err(|error| told(path, &error))?;
     let stage = Stage::open(&document).map_err(|error| told(path, &error))?;
-    let gpu_scene = GpuScene::upload(gpu, &stage.data, stage.order()).map_err(|error| told(path, &error))?;
+    let gpu_scene =
+        GpuScene::upload(gpu, &stage.data, stage.upload_order()).map_err(|error| told(path, &error))?;
     Ok((stage, gpu_scene))
 }
 

@@ -27,6 +27,12 @@ pub(crate) enum Step {
     TimeBudget(f64),
     /// Unlimited.
     NoBudget,
+    /// Draw proxies and simplified objects.
+    Proxies(bool),
+    /// Largest error of what is simplified, pixels.
+    Detail(f32),
+    /// `sse`, `linear`, `sigmoid` or `sigmoid:S,T`.
+    Metric(String),
     /// Freeze culling.
     Freeze(bool),
     /// Show what is skipped.

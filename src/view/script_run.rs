@@ -86,6 +86,11 @@ impl Script {
             Step::TriangleBudget(triangles) => (state.limit, state.triangles) = (Limit::Triangles, triangles),
             Step::TimeBudget(ms) => (state.limit, state.milliseconds) = (Limit::Milliseconds, ms),
             Step::NoBudget => state.limit = Limit::None,
+            Step::Proxies(on) => state.proxies = on,
+            Step::Detail(pixels) => state.tau = pixels,
+            Step::Metric(name) => {
+                state.set_metric(crate::stage::parse_metric(&name).map_err(|error| error.to_string())?);
+            }
             Step::Freeze(on) => state.freeze = on,
             Step::Skipped(on) => state.skipped = on,
             Step::SkippedBoxes(on) => state.skipped_boxes = on,

@@ -2,7 +2,7 @@
 
 use crate::stage::Method;
 use serde::{Deserialize, Serialize};
-use svs_runtime::{DEFAULT_QUALITY, Settings};
+use svs_runtime::{DEFAULT_QUALITY, Detail, Metric, Settings};
 
 /// What colours mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,12 +17,22 @@ pub(crate) enum Colours {
     Level,
     /// The largest size the object has in any direction.
     Importance,
+    /// What is a proxy, what is simplified, what is an object as it is.
+    Proxies,
+    /// How much less the error counts because little is visible.
+    Severity,
 }
 
 impl Colours {
     /// All of them, in the order of the panel.
-    pub(crate) const ALL: [Colours; 4] =
-        [Colours::Material, Colours::Object, Colours::Level, Colours::Importance];
+    pub(crate) const ALL: [Colours; 6] = [
+        Colours::Material,
+        Colours::Object,
+        Colours::Level,
+        Colours::Importance,
+        Colours::Proxies,
+        Colours::Severity,
+    ];
 
     /// For people.
     pub(crate) fn label(self) -> &'static str {
@@ -31,6 +41,8 @@ impl Colours {
             Colours::Object => "object",
             Colours::Level => "visible level",
             Colours::Importance => "importance",
+            Colours::Proxies => "proxies",
+            Colours::Severity => "severity",
         }
     }
 }
@@ -46,6 +58,19 @@ pub(crate) enum Limit {
     Triangles,
     /// [`State::milliseconds`].
     Milliseconds,
+}
+
+/// How much of the error counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum MetricName {
+    /// All of it.
+    Sse,
+    /// In proportion to the visible share.
+    Linear,
+    /// By [`State::sigmoid_s`] and [`State::sigmoid_t`].
+    #[default]
+    Sigmoid,
 }
 
 /// All settings.
@@ -64,6 +89,16 @@ pub(crate) struct State {
     pub(crate) triangles: u64,
     /// Time budget, milliseconds per frame.
     pub(crate) milliseconds: f64,
+    /// Proxies and simplified objects are drawn, where the file has them.
+    pub(crate) proxies: bool,
+    /// Largest error of what is simplified, pixels, 0 to 1000.
+    pub(crate) tau: f32,
+    /// How much of it counts.
+    pub(crate) metric: MetricName,
+    /// From linear (0) to sigmoid (1).
+    pub(crate) sigmoid_s: f32,
+    /// Visible share at which the sigmoid turns over, 0 to 1.
+    pub(crate) sigmoid_t: f32,
     /// What is drawn stays as it is while the camera moves.
     pub(crate) freeze: bool,
     /// While frozen: what is skipped is drawn too, in red.
@@ -101,6 +136,11 @@ impl Default for State {
             limit: Limit::None,
             triangles: 1_000_000,
             milliseconds: 16.0,
+            proxies: true,
+            tau: Detail::default().tau,
+            metric: MetricName::Sigmoid,
+            sigmoid_s: DEFAULT_SIGMOID.0,
+            sigmoid_t: DEFAULT_SIGMOID.1,
             freeze: false,
             skipped: false,
             skipped_boxes: false,
@@ -116,7 +156,34 @@ impl Default for State {
     }
 }
 
+/// As [`crate::stage::SIGMOID`] has them.
+const DEFAULT_SIGMOID: (f32, f32) = (0.7, 0.15);
+
+/// Largest error that can be set, pixels.
+const MOST_TAU: f32 = 1000.0;
+
 impl State {
+    /// How coarse it may be.
+    pub(crate) fn detail(&self) -> Detail {
+        let metric = match self.metric {
+            MetricName::Sse => Metric::Sse,
+            MetricName::Linear => Metric::Linear,
+            MetricName::Sigmoid => Metric::Sigmoid { s: self.sigmoid_s, t: self.sigmoid_t },
+        };
+        Detail { tau: self.tau, metric }
+    }
+
+    /// Sets the metric, and the numbers of a sigmoid.
+    pub(crate) fn set_metric(&mut self, metric: Metric) {
+        match metric {
+            Metric::Sse => self.metric = MetricName::Sse,
+            Metric::Linear => self.metric = MetricName::Linear,
+            Metric::Sigmoid { s, t } => {
+                (self.metric, self.sigmoid_s, self.sigmoid_t) = (MetricName::Sigmoid, s, t);
+            }
+        }
+    }
+
     /// How to query: the quality, and the sphere limit where it is stricter.
     pub(crate) fn settings(&self) -> Settings {
         let by_quality = Settings::from_quality(self.quality);
@@ -130,6 +197,12 @@ impl State {
         self.sphere_limit =
             if self.sphere_limit.is_nan() { 90.0 } else { self.sphere_limit.clamp(0.0, 90.0) };
         self.triangles = self.triangles.max(1);
+        let within = |value: f32, most: f32, otherwise: f32| {
+            if value.is_nan() { otherwise } else { value.clamp(0.0, most) }
+        };
+        self.tau = within(self.tau, MOST_TAU, Detail::default().tau);
+        self.sigmoid_s = within(self.sigmoid_s, 1.0, DEFAULT_SIGMOID.0);
+        self.sigmoid_t = within(self.sigmoid_t, 1.0, DEFAULT_SIGMOID.1);
         self.milliseconds =
             if self.milliseconds.is_nan() { 16.0 } else { self.milliseconds.clamp(0.1, 10_000.0) };
     }
@@ -179,11 +252,25 @@ mod tests {
             sphere_limit: 400.0,
             triangles: 0,
             milliseconds: f64::NEG_INFINITY,
+            tau: f32::INFINITY,
+            sigmoid_s: -1.0,
+            sigmoid_t: f32::NAN,
             ..State::default()
         };
         state.check();
+        assert_eq!((state.tau, state.sigmoid_s, state.sigmoid_t), (1000.0, 0.0, 0.15));
         assert_eq!((state.quality, state.sphere_limit), (DEFAULT_QUALITY, 90.0));
         assert_eq!((state.triangles, state.milliseconds), (1, 0.1));
+    }
+
+    #[test]
+    fn the_metric_is_what_was_set() {
+        let mut state = State::default();
+        assert_eq!(state.detail(), Detail::default());
+        for metric in [Metric::Sse, Metric::Linear, Metric::Sigmoid { s: 0.9, t: 0.05 }] {
+            state.set_metric(metric);
+            assert_eq!(state.detail().metric, metric);
+        }
     }
 
     #[test]

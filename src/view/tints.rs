@@ -17,5 +17,7 @@ pub(crate) fn base(stage: &Stage, colours: Colours) -> Vec<[u8; 4]> {
         Colours::Object => stage.tints(ColourMode::Object),
         Colours::Level => stage.tints(ColourMode::Level),
         Colours::Importance => stage.tints(ColourMode::Importance),
+        Colours::Proxies => stage.tints(ColourMode::Proxies),
+        Colours::Severity => stage.tints(ColourMode::Severity),
     }
 }

@@ -43,12 +43,18 @@ fn check(inputs: &[PathBuf], extension: &str) {
     for (index, input) in inputs.iter().enumerate() {
         let output = folder.path().join(format!("{index}.{extension}"));
         build(input, &output, &["-q"]).ok();
-        files.extend([input.clone(), output]);
+        let proxies = folder.path().join(format!("{index}.proxies.{extension}"));
+        let format = ["float", "quantized"][index % 2];
+        let options = ["-q", "--proxies", "auto", "--proxy-triangles", "500", "--proxy-format", format];
+        build(input, &proxies, &options).ok();
+        files.extend([input.clone(), output, proxies]);
     }
-    for pair in reports(&npm, &files).chunks(2) {
+    for baked in reports(&npm, &files).chunks(3) {
         let issues = |report: &serde_json::Value| (report["errors"].as_u64(), report["warnings"].as_u64());
-        if issues(&pair[0]) == (Some(0), Some(0)) {
-            assert_eq!(issues(&pair[1]), (Some(0), Some(0)), "{} baked: {}", pair[0]["file"], pair[1]);
+        if issues(&baked[0]) == (Some(0), Some(0)) {
+            for report in &baked[1..] {
+                assert_eq!(issues(report), (Some(0), Some(0)), "{} baked: {report}", baked[0]["file"]);
+            }
         }
     }
 }

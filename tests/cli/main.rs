@@ -2,8 +2,12 @@
 
 mod bake;
 mod broken_input;
+#[cfg(feature = "render")]
+#[path = "../common/handmade.rs"]
+mod handmade;
 mod khronos_validator;
 mod process;
+mod proxies;
 mod remove_hidden;
 #[cfg(feature = "render")]
 mod render;

@@ -1,6 +1,6 @@
 //! `svs render`: pictures, and what is said where there are none.
 
-use crate::{Finished, build, folder, plant, run, svs};
+use crate::{Finished, build, folder, handmade, plant, run, svs};
 use serde_json::json;
 use std::fs;
 use std::path::Path;
@@ -73,6 +73,32 @@ fn colours_items_budgets_and_files_without_a_bake() {
     // For people, the same in words.
     let words = run(&["render".as_ref(), plant().as_os_str(), "-o".as_ref(), output.as_os_str()]).ok().stdout;
     assert!(words.contains("4,433 of 4,433") && words.contains("draw calls"), "{words}");
+}
+
+#[test]
+fn proxies_are_drawn_where_the_file_has_them() {
+    let folder = folder();
+    let (scene, output) = (folder.path().join("balls.glb"), folder.path().join("out.png"));
+    handmade::document().write(&scene).expect("a file");
+    let of = |more: &[&str]| {
+        let (finished, picture) = render(&scene, &output, more);
+        (finished.json(), picture)
+    };
+    let (off, all) = of(&["--proxies", "off"]);
+    assert_eq!((&off["proxies"], &off["simplified_objects"]), (&json!(0), &json!(0)));
+    let (coarse, picture) = of(&["--detail", "500", "--metric", "sse"]);
+    assert!(coarse["proxies"].as_u64() > Some(0), "{coarse}");
+    assert!(coarse["triangles"].as_u64() < off["triangles"].as_u64(), "{coarse} {off}");
+    let off_by = difference(&all, &picture);
+    assert!(off_by > 0.0 && off_by < 0.3, "{off_by}");
+    let (fine, same) = of(&["--detail", "0"]);
+    assert_eq!((&fine["proxies"], difference(&all, &same)), (&json!(0), 0.0));
+    let (budget, _) = of(&["--budget", "3000"]);
+    assert!(budget["triangles"].as_u64() <= Some(3000), "{budget}");
+    for colour in ["proxies", "severity"] {
+        let (_, tinted) = of(&["--detail", "500", "--metric", "sse", "--colour", colour]);
+        assert!(difference(&picture, &tinted) > 0.05, "{colour}");
+    }
 }
 
 #[test]

@@ -1,6 +1,9 @@
 //! `svs evaluate`, end to end, on software Vulkan or whatever GPU there is.
 #![cfg(feature = "render")]
 
+#[path = "../common/handmade.rs"]
+mod handmade;
+mod proxies;
 mod report;
 mod usage;
 

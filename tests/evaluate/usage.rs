@@ -21,7 +21,7 @@ fn fails(scene: &Path, output: &Path, more: &[&str], code: i32, words: &[&str]) 
 fn wrong_arguments_are_explained() {
     let folder = folder();
     let (scene, report) = (root().join("samples/plant.glb"), folder.path().join("report"));
-    let wrong: [(&[&str], &[&str]); 13] = [
+    let wrong: [(&[&str], &[&str]); 17] = [
         (&["--methods", "frustum,magic"], &["\"magic\"", "first-misfit"]),
         (&["--methods", ""], &["there is no method"]),
         (&["--methods", "frustum,frustum"], &["frustum", "twice"]),
@@ -29,6 +29,10 @@ fn wrong_arguments_are_explained() {
         (&["--methods", "first-misfit", "--budget", "5ms"], &["first-misfit", "milliseconds"]),
         (&["--frames", "0"], &["0 frames"]),
         (&["--passes", "0"], &["0 passes"]),
+        (&["--metric", "cubic"], &["\"cubic\"", "sigmoid:S,T"]),
+        (&["--detail=-1"], &["pixels"]),
+        (&["--reference", "magic"], &["\"magic\"", "proxies-frustum"]),
+        (&["--reference", "budget"], &["budget needs --budget"]),
         (&["--size", "0x720"], &["1280x720"]),
         (&["--size", "15x720"], &["15 pixels"]),
         (&["--size", "big"], &["1280x720"]),

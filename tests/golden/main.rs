@@ -7,5 +7,6 @@ mod cubes;
 mod document;
 mod materials;
 mod negative_zero;
+mod proxies;
 mod repeatable;
 mod shells;

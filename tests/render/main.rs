@@ -3,5 +3,8 @@
 
 #[path = "../../fuzz/common/mod.rs"]
 mod fuzz;
+#[path = "../common/handmade.rs"]
+mod handmade;
 mod hostile;
 mod item_buffers;
+mod proxies;

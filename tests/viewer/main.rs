@@ -7,7 +7,10 @@
 mod controls;
 mod display;
 mod files;
+#[path = "../common/handmade.rs"]
+mod handmade;
 mod mouse;
 mod paths;
 mod pictures;
+mod proxies;
 mod run;

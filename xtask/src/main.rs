@@ -31,6 +31,12 @@ Commands:
       --frames N                      frames of each path (default: 24; 6 in the large scenes)
       --passes N                      times each frame is timed (default: 3; 2 in the large scenes)
       --scenes FOLDER                 where the public scenes are (default: ../shared/scenes)
+  bench proxies what proxies and the visibility-driven metric save, and what a picture is worth within a budget;
+                reports are left in target/bench/proxies
+      --part metric,ladder,large      only these parts (default: all)
+      --only NAME[,NAME...]           only scenes whose name contains one of them
+      --frames N                      frames of each path (default: 40 of metric, 4 of ladder, 1 of large)
+      --scenes FOLDER                 where the public scenes are (default: ../shared/scenes)
 ";
 
 fn main() -> ExitCode {
@@ -44,6 +50,9 @@ fn main() -> ExitCode {
         }
         ["bench", "frames", rest @ ..] => {
             bench::frames::Options::parse(rest).and_then(|options| bench::frames::frames(&options))
+        }
+        ["bench", "proxies", rest @ ..] => {
+            bench::proxies::Options::parse(rest).and_then(|options| bench::proxies::proxies(&options))
         }
         [] | ["help" | "-h" | "--help", ..] => {
             print!("{USAGE}");

@@ -41,6 +41,11 @@ impl Seen {
         result
     }
 
+    /// The item buffer.
+    pub fn items(&self) -> &ItemBuffer {
+        &self.items
+    }
+
     /// Pixels that show one of these objects, which are ascending: one flag per pixel.
     pub fn mask(&self, objects: &[u32]) -> Vec<bool> {
         let holds = |object: &u32| objects.binary_search(object).is_ok();

@@ -1,10 +1,12 @@
 //! How far a picture is from the reference, and what is missing in it.
 
+mod holes;
 mod items;
 mod planes;
 mod psnr;
 mod ssim;
 
+pub use holes::{hole_mask, largest_region};
 pub use items::{Compared, Seen};
 pub use psnr::{MAX_PSNR, Psnr, psnr};
 pub use ssim::ssim;

@@ -4,7 +4,7 @@ use crate::evaluate::result::{Evaluation, FrameResult};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-const COLUMNS: [&str; 24] = [
+const COLUMNS: [&str; 29] = [
     "path",
     "frame",
     "method",
@@ -19,10 +19,15 @@ const COLUMNS: [&str; 24] = [
     "draw_calls",
     "triangles",
     "triangle_budget",
+    "proxies",
+    "levels",
+    "hlod_nodes",
     "visible_objects",
     "missing_objects",
     "missing_ppm",
     "overdrawn_objects",
+    "largest_hole_px",
+    "largest_missing_px",
     "ssim",
     "psnr_y_db",
     "psnr_cb_db",
@@ -49,7 +54,7 @@ fn row(text: &mut String, path: &str, frame: &FrameResult, (width, height): (u32
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "{},{},{},{:.1},{:.4},{:.4},{:.4},{:.4},{},{:.4},{},{},{},{},{},{},{:.2},{},{:.7},{:.3},{:.3},{:.3},{width},{height}",
+        "{},{},{},{:.1},{:.4},{:.4},{:.4},{:.4},{},{:.4},{},{},{},{},{},{},{},{},{},{:.2},{},{},{},{:.7},{:.3},{:.3},{:.3},{width},{height}",
         field(path),
         frame.frame,
         frame.method,
@@ -64,10 +69,15 @@ fn row(text: &mut String, path: &str, frame: &FrameResult, (width, height): (u32
         frame.draw_calls,
         frame.triangles,
         optional(frame.triangle_budget.map(|most| most.to_string())),
+        frame.simplified.proxies,
+        frame.simplified.levels,
+        frame.simplified.nodes,
         quality.visible_objects,
         quality.missing_objects,
         quality.missing_ppm,
         quality.overdrawn_objects,
+        quality.largest_hole,
+        quality.largest_missing,
         quality.ssim,
         quality.psnr_y,
         quality.psnr_cb,

@@ -1,10 +1,11 @@
 //! `report.html`: one file, no scripts, no other resources.
 
+use super::simplified;
 use super::style::{CSS, look};
 use super::svg::{Plot, Scale, Series, escape};
 use super::worst;
+use crate::evaluate::method::EvaluationMethod;
 use crate::evaluate::metrics::MAX_PSNR;
-use crate::evaluate::options::EvaluationMethod;
 use crate::evaluate::result::{Evaluation, FrameResult, MethodSummary, PathEvaluation};
 use std::fmt::Write as _;
 
@@ -22,11 +23,13 @@ pub(super) fn page(evaluation: &Evaluation) -> String {
     html += &findings(evaluation);
     html += "<h2>All paths</h2>\n";
     html += &table(&evaluation.methods);
+    html += &simplified::table(&evaluation.methods);
     let methods = methods(&evaluation.methods);
     for path in &evaluation.paths {
         let _ = writeln!(html, "<h2>Path “{}”</h2>", escape(&path.name));
         if evaluation.paths.len() > 1 {
             html += &table(&path.methods);
+            html += &simplified::table(&path.methods);
         }
         html += &legend(&methods);
         html += &plots(path, &methods);
@@ -133,7 +136,10 @@ fn plots(path: &PathEvaluation, methods: &[EvaluationMethod]) -> String {
     let missing = |frame: &FrameResult| frame.quality.missing_ppm;
     let likeness = |frame: &FrameResult| frame.quality.ssim;
     // A budget leaves out so much that nothing else could be read off the same axis.
-    let (budgeted, free): (Vec<_>, Vec<_>) = methods.iter().copied().partition(|method| method.is_budgeted());
+    let has_budget = path.frames.iter().any(|frame| frame.triangle_budget.is_some());
+    let is_limited =
+        |method: &EvaluationMethod| method.is_budgeted() || (has_budget && method.draws_proxies().is_some());
+    let (budgeted, free): (Vec<_>, Vec<_>) = methods.iter().copied().partition(is_limited);
     let mut plots = vec![
         plot("Frame time, ms", methods, wide(path, &time), &time),
         plot("Triangles drawn", methods, wide(path, &triangles), &triangles),
@@ -202,6 +208,12 @@ fn facts(evaluation: &Evaluation) -> String {
         ),
         ("program", format!("svs {}", machine.version)),
     ];
+    if evaluation.methods.iter().any(|method| method.method.starts_with("proxies")) {
+        rows.push(("detail", format!("{} px, metric {}", settings.detail_px, settings.metric)));
+    }
+    if settings.reference != EvaluationMethod::Frustum.name() {
+        rows.push(("pictures are compared with", settings.reference.clone()));
+    }
     if let Some(budget) = &settings.budget {
         rows.push(("budget", budget.clone()));
     }
@@ -255,6 +267,15 @@ fn explanation(evaluation: &Evaluation) -> String {
     if has(EvaluationMethod::Budget) {
         html += "<p><b>budget</b> is visibility with the runtime’s choice within the budget.</p>\n";
     }
+    if evaluation.methods.iter().any(|m| m.method.starts_with("proxies")) {
+        html += "<p><b>proxies</b> is visibility with simplified objects and proxies of groups, where their error stays below \
+                 the detail in pixels, or the budget asks for it; <b>proxies-sse</b> and <b>proxies-linear</b> are the same with \
+                 another metric, and <b>proxies-frustum</b> without visibility. An object is not missing if something that \
+                 stands for it is drawn. HLOD nodes are the proxies drawn and the innermost proxy nodes of which objects \
+                 are drawn themselves. The largest hole is the largest region of pixels (neighbours share an edge) where \
+                 the reference shows an object and the picture shows nothing; the largest missing is the largest region that \
+                 shows missing objects in the reference.</p>\n";
+    }
     if has(EvaluationMethod::FirstMisfit) {
         html += "<p><b>first-misfit</b> is the rule of Eikel’s dissertation (2013) on the same candidates and values: most \
                  visible pixels per triangle first, up to the first object that does not fit.</p>\n";
@@ -276,12 +297,12 @@ fn three(value: f64) -> String {
     }
 }
 
-fn decibels(value: f64) -> String {
+pub(super) fn decibels(value: f64) -> String {
     if value >= MAX_PSNR { "equal".to_owned() } else { format!("{value:.1}") }
 }
 
 /// A whole number with narrow no-break spaces between thousands.
-fn grouped(value: f64) -> String {
+pub(super) fn grouped(value: f64) -> String {
     let digits = (value.max(0.0).round() as u64).to_string();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {

@@ -3,6 +3,7 @@
 mod csv;
 mod html;
 mod picture;
+mod simplified;
 mod style;
 mod svg;
 #[cfg(test)]

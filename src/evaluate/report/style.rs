@@ -1,7 +1,7 @@
 //! The page's look: light, readable on a phone and on paper.
 
 use super::svg::Look;
-use crate::evaluate::options::EvaluationMethod;
+use crate::evaluate::method::EvaluationMethod;
 
 /// Colours by Okabe and Ito (2008), which colour-blind people can tell apart too.
 pub(super) fn look(method: EvaluationMethod) -> Look {
@@ -12,6 +12,10 @@ pub(super) fn look(method: EvaluationMethod) -> Look {
         EvaluationMethod::Exact => Look { color: "#009e73", dashes: "7 3" },
         EvaluationMethod::Budget => Look { color: "#cc79a7", dashes: "" },
         EvaluationMethod::FirstMisfit => Look { color: "#000000", dashes: "3 2" },
+        EvaluationMethod::Proxies => Look { color: "#e69f00", dashes: "" },
+        EvaluationMethod::ProxiesSse => Look { color: "#56b4e9", dashes: "9 3" },
+        EvaluationMethod::ProxiesLinear => Look { color: "#009e73", dashes: "2 2" },
+        EvaluationMethod::ProxiesFrustum => Look { color: "#d55e00", dashes: "5 3" },
     }
 }
 

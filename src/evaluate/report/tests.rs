@@ -1,7 +1,8 @@
 //! The report of a made-up evaluation.
 
 use crate::evaluate::machine::Machine;
-use crate::evaluate::options::{EvaluateOptions, EvaluationMethod};
+use crate::evaluate::method::EvaluationMethod;
+use crate::evaluate::options::EvaluateOptions;
 use crate::evaluate::result::*;
 use svs_render::Image;
 
@@ -27,11 +28,14 @@ fn frame(frame: usize, method: EvaluationMethod) -> FrameResult {
         draw_calls: 10,
         triangles: 1000 * slow as u64,
         triangle_budget: None,
+        simplified: Simplified { proxies: 4, levels: 2, nodes: 9 },
         quality: QualityResult {
             visible_objects: 50,
             missing_objects: missing,
             missing_ppm: missing as f64 * 2.0,
             overdrawn_objects: 3,
+            largest_hole: missing,
+            largest_missing: missing,
             ssim: 1.0 - missing as f64 * 1e-4,
             psnr_y: 120.0 - missing as f64,
             psnr_cb: 120.0,
@@ -77,6 +81,9 @@ fn evaluation() -> Evaluation {
             quality: None,
             query: text("q"),
             budget: None,
+            detail_px: 1.0,
+            metric: text("sse"),
+            reference: text("frustum"),
             time_source: TimeSource::WallClock,
         },
         machine: Machine {

@@ -1,6 +1,6 @@
 //! Adding the payload.
 
-use super::{CONTAINERS, EXTENSION, Table};
+use super::{Additions, CONTAINERS, EXTENSION, Table};
 use crate::gltf::buffers::BufferStorage;
 use crate::gltf::document::{Container, Document};
 use crate::gltf::error::AttachError;
@@ -8,18 +8,32 @@ use crate::gltf::kinds::{AccessorKind, ComponentType};
 use crate::gltf::{json, uri};
 use serde_json::{Map, Number, Value, json};
 
-/// Adds `tables` and the root extension to the document; returns the accessors' indices.
-///
-/// Table `i` becomes accessor `document.next_accessor() + i`, so `extension` can be built before the call. [`super::strip`]
-/// finds the tables through the integers in `trees[].tables` of the extension: name every table there.
+/// [`attach_with`] without additions.
 ///
 /// # Errors
-/// [`AttachError`] if there is a bake already, or a table or the JSON is not as it must be. The document is unchanged
-/// then.
+/// As [`attach_with`].
 pub fn attach(
     document: &mut Document,
     extension: Value,
     tables: &[Table],
+) -> Result<Vec<usize>, AttachError> {
+    attach_with(document, extension, tables, Additions::default())
+}
+
+/// Adds `additions`, `tables` and the root extension to the document; returns the indices of the tables' accessors.
+///
+/// Table `i` becomes accessor `document.next_accessor() + additions.accessors.len() + i`, so `extension` can be built before
+/// the call. [`super::strip`] finds the tables through the integers in `trees[].tables` and `trees[].proxies.tables` of the
+/// extension, and the meshes through `meshLevels` and the tables `PROXY_MESH`: name everything there.
+///
+/// # Errors
+/// [`AttachError`] if there is a bake already, or a table or the JSON is not as it must be. The document is unchanged
+/// then.
+pub fn attach_with(
+    document: &mut Document,
+    extension: Value,
+    tables: &[Table],
+    additions: Additions,
 ) -> Result<Vec<usize>, AttachError> {
     check_root(document)?;
     let Value::Object(mut extension) = extension else {
@@ -36,18 +50,35 @@ pub fn attach(
         tables.iter().enumerate().map(|(i, table)| check_table(i, table)).collect::<Result<Vec<_>, _>>()?;
 
     let mut before = Map::new();
-    record_empty_containers(&document.json, tables.is_empty(), &mut before);
-    let first = document.next_accessor();
-    if !tables.is_empty() {
-        let (bytes, offsets) = pack(tables);
+    record_empty_containers(&document.json, tables.is_empty(), &additions, &mut before);
+    let first = document.next_accessor() + additions.accessors.len();
+    let first_view = json::array(&document.json, "bufferViews").len();
+    let first_table_view = first_view + additions.views.len();
+    let (table_bytes, table_offsets) = pack(tables.iter().map(|table| table.bytes));
+    let blocks = additions.views.iter().map(|view| view.bytes.as_slice());
+    let (bytes, offsets) = pack(blocks.chain((!tables.is_empty()).then_some(table_bytes.as_slice())));
+    if !bytes.is_empty() {
         let (buffer, start) = append_bytes(document, &bytes, &mut before);
-        let view = json::array(&document.json, "bufferViews").len();
-        let new = json!({"buffer": buffer, "byteOffset": start, "byteLength": bytes.len()});
-        push(&mut document.json, "bufferViews", new);
-        for ((table, offset), bounds) in tables.iter().zip(offsets).zip(bounds) {
-            let accessor = accessor(view, offset, table, bounds);
-            push(&mut document.json, "accessors", accessor);
+        for (view, offset) in additions.views.iter().zip(&offsets) {
+            let mut new =
+                json!({"buffer": buffer, "byteOffset": start + offset, "byteLength": view.bytes.len()});
+            if let Some(stride) = view.stride {
+                new["byteStride"] = stride.into();
+            }
+            if let Some(target) = view.target {
+                new["target"] = target.into();
+            }
+            push(&mut document.json, "bufferViews", new);
         }
+        if let (false, Some(offset)) = (tables.is_empty(), offsets.last()) {
+            let new =
+                json!({"buffer": buffer, "byteOffset": start + offset, "byteLength": table_bytes.len()});
+            push(&mut document.json, "bufferViews", new);
+        }
+    }
+    add_objects(document, additions, first_view, &mut before);
+    for ((table, offset), bounds) in tables.iter().zip(table_offsets).zip(bounds) {
+        push(&mut document.json, "accessors", accessor(first_table_view, offset, table, bounds));
     }
     if json::array(&document.json, "extensionsUsed").iter().any(|name| name == EXTENSION) {
         before.insert("declared".into(), true.into());
@@ -62,6 +93,41 @@ pub fn attach(
     Ok((first..first + tables.len()).collect())
 }
 
+/// Appends accessors, materials, meshes and names of extensions.
+fn add_objects(
+    document: &mut Document,
+    additions: Additions,
+    first_view: usize,
+    before: &mut Map<String, Value>,
+) {
+    for mut accessor in additions.accessors {
+        if let Some(view) = accessor.get("bufferView").and_then(json::index) {
+            accessor["bufferView"] = (first_view + view).into();
+        }
+        push(&mut document.json, "accessors", accessor);
+    }
+    for (key, items) in [("materials", additions.materials), ("meshes", additions.meshes)] {
+        for item in items {
+            push(&mut document.json, key, item);
+        }
+    }
+    for (list, record, only_required) in
+        [("extensionsUsed", "used", false), ("extensionsRequired", "required", true)]
+    {
+        let mut added = Vec::new();
+        for &(name, required) in &additions.extensions {
+            let is_named = json::array(&document.json, list).iter().any(|known| known == name);
+            if (required || !only_required) && !is_named {
+                push(&mut document.json, list, name.into());
+                added.push(Value::from(name));
+            }
+        }
+        if !added.is_empty() {
+            before.insert(record.into(), added.into());
+        }
+    }
+}
+
 fn check_root(document: &Document) -> Result<(), AttachError> {
     let malformed =
         |pointer: &str, expected| AttachError::Malformed { pointer: pointer.to_owned(), expected };
@@ -72,7 +138,7 @@ fn check_root(document: &Document) -> Result<(), AttachError> {
             return Err(AttachError::AlreadyAttached);
         }
     }
-    for key in &CONTAINERS[..4] {
+    for key in &CONTAINERS[..7] {
         if root.get(*key).is_some_and(|value| !value.is_array()) {
             return Err(malformed(&format!("/{key}"), "an array"));
         }
@@ -121,15 +187,14 @@ fn check_table(index: usize, table: &Table) -> Result<Bounds, AttachError> {
     Ok(Some((convert(min)?, convert(max)?)))
 }
 
-/// All tables in one block, each on a multiple of 4 bytes; and where each begins.
-fn pack(tables: &[Table]) -> (Vec<u8>, Vec<usize>) {
+/// All blocks in one, each on a multiple of 4 bytes; and where each begins.
+fn pack<'a>(blocks: impl Iterator<Item = &'a [u8]>) -> (Vec<u8>, Vec<usize>) {
     let mut bytes = Vec::new();
-    let offsets = tables
-        .iter()
-        .map(|table| {
+    let offsets = blocks
+        .map(|block| {
             bytes.resize(bytes.len().next_multiple_of(4), 0);
             let offset = bytes.len();
-            bytes.extend_from_slice(table.bytes);
+            bytes.extend_from_slice(block);
             offset
         })
         .collect();
@@ -190,15 +255,26 @@ fn accessor(view: usize, offset: usize, table: &Table, bounds: Bounds) -> Value 
 }
 
 /// Remembers containers that exist but are empty: stripping would take them for its own.
-fn record_empty_containers(root: &Value, no_tables: bool, before: &mut Map<String, Value>) {
+fn record_empty_containers(
+    root: &Value,
+    no_tables: bool,
+    additions: &Additions,
+    before: &mut Map<String, Value>,
+) {
     let is_empty = |key: &str| match root.get(key) {
         Some(Value::Array(items)) => items.is_empty(),
         Some(Value::Object(items)) => items.is_empty(),
         _ => false,
     };
-    // Without tables only the last two containers are touched.
-    let touched = if no_tables { &CONTAINERS[3..] } else { &CONTAINERS[..] };
-    let empty: Vec<Value> = touched.iter().filter(|key| is_empty(key)).map(|&key| key.into()).collect();
+    let is_touched = |key: &str| match key {
+        "buffers" | "bufferViews" | "accessors" => !no_tables || !additions.is_empty(),
+        "materials" => !additions.materials.is_empty(),
+        "meshes" => !additions.meshes.is_empty(),
+        "extensionsRequired" => additions.extensions.iter().any(|(_, required)| *required),
+        _ => true,
+    };
+    let empty: Vec<Value> =
+        CONTAINERS.iter().filter(|key| is_touched(key) && is_empty(key)).map(|&key| key.into()).collect();
     if !empty.is_empty() {
         before.insert("empty".into(), empty.into());
     }

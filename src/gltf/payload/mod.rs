@@ -1,7 +1,8 @@
 //! The payload: what this tool adds to a file, put in by [`attach`] and taken out, exactly, by [`strip`].
 //!
 //! Attaching appends one buffer view with all tables, one accessor per table, the root extension and its name in
-//! `extensionsUsed`. Everything is appended, so nothing of the file is renumbered.
+//! `extensionsUsed`; and, for a bake with proxies, their buffer views, accessors, materials and meshes ([`Additions`]), before
+//! the tables. Everything is appended, so nothing of the file is renumbered.
 //!
 //! The tables' bytes go
 //! - of a GLB: to the end of the BIN chunk; into a new BIN chunk if there is no buffer at all; into a new buffer with a
@@ -9,24 +10,36 @@
 //! - of a .gltf: into a new buffer, in a file `<stem of the output>.svs.bin` if any buffer is in a file, else in a
 //!   `data:` URI.
 //!
-//! Stripping a file is exact without any record of what it was before, but for three rare cases. Those are recorded in
+//! Stripping a file is exact without any record of what it was before, but for a few rare cases. Those are recorded in
 //! the extension's `extras.before`:
 //! - `empty`: names of root properties that were there and empty (`"extensions": {}`),
 //! - `declared`: the extension was named in `extensionsUsed` although absent,
 //! - `byteLength`: the buffer's `byteLength` as it stood, if it was no multiple of 4 (the payload is aligned) or not
-//!   written as a plain integer.
+//!   written as a plain integer,
+//! - `used`, `required`: names that proxies added to `extensionsUsed` and `extensionsRequired`.
 
+mod additions;
 mod attach;
 mod strip;
 
-pub use attach::attach;
+pub use additions::{Additions, View};
+pub use attach::{attach, attach_with};
 pub use strip::strip;
 
 /// Name of the extension.
 pub const EXTENSION: &str = "EXT_spherical_visibility";
 
 /// Root properties that the payload appends to, in the order in which they are created.
-const CONTAINERS: [&str; 5] = ["buffers", "bufferViews", "accessors", "extensionsUsed", "extensions"];
+const CONTAINERS: [&str; 8] = [
+    "buffers",
+    "bufferViews",
+    "accessors",
+    "materials",
+    "meshes",
+    "extensionsRequired",
+    "extensionsUsed",
+    "extensions",
+];
 
 /// One table of the payload: an accessor's worth of tightly packed little-endian data.
 #[derive(Clone, Debug)]

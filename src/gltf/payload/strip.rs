@@ -16,16 +16,28 @@ pub fn strip(document: &mut Document) -> bool {
     let Some(extension) = extensions.shift_remove(EXTENSION) else { return false };
     let before = extension.pointer("/extras/before").and_then(Value::as_object).cloned().unwrap_or_default();
     if before.get("declared") != Some(&Value::Bool(true)) {
-        remove_name(&mut document.json, "extensionsUsed");
+        remove_name(&mut document.json, "extensionsUsed", EXTENSION);
     }
     // Never ours, but a file that requires what it does not have would open nowhere.
-    if remove_name(&mut document.json, "extensionsRequired")
+    if remove_name(&mut document.json, "extensionsRequired", EXTENSION)
         && json::array(&document.json, "extensionsRequired").is_empty()
         && let Value::Object(root) = &mut document.json
     {
         root.shift_remove("extensionsRequired");
     }
-    remove_tables(document, &extension, &before);
+    let mut touched = vec!["extensionsUsed", "extensions"];
+    if let Some(removed) = remove_payload(document, &extension, &before) {
+        touched.extend(removed);
+        for (list, record) in [("extensionsUsed", "used"), ("extensionsRequired", "required")] {
+            for name in before.get(record).and_then(Value::as_array).into_iter().flatten() {
+                if remove_name(&mut document.json, list, name.as_str().unwrap_or_default()) {
+                    touched.push(list);
+                }
+            }
+        }
+    } else if !table_accessors(&extension).is_empty() {
+        touched.extend(["buffers", "bufferViews", "accessors"]);
+    }
     let was_empty = |key: &str| {
         before
             .get("empty")
@@ -39,7 +51,7 @@ pub fn strip(document: &mut Document) -> bool {
                 Some(Value::Object(items)) => items.is_empty(),
                 _ => false,
             };
-            if is_empty && !was_empty(key) && touched(key, &extension) {
+            if is_empty && !was_empty(key) && touched.contains(&key) {
                 root.shift_remove(key);
             }
         }
@@ -47,82 +59,196 @@ pub fn strip(document: &mut Document) -> bool {
     true
 }
 
-/// Removes the extension's name from a list; returns whether it was there.
-fn remove_name(root: &mut Value, key: &str) -> bool {
+/// Removes a name from a list; returns whether it was there.
+fn remove_name(root: &mut Value, key: &str, name: &str) -> bool {
     let Some(Value::Array(names)) = root.get_mut(key) else { return false };
     let count = names.len();
-    names.retain(|name| name != EXTENSION);
+    names.retain(|known| known != name);
     names.len() < count
-}
-
-/// Whether `attach` may have created the container: without tables it touches the last two only.
-fn touched(key: &str, extension: &Value) -> bool {
-    !["buffers", "bufferViews", "accessors"].contains(&key) || !table_accessors(extension).is_empty()
 }
 
 /// Accessors that the extension's trees name.
 fn table_accessors(extension: &Value) -> BTreeSet<usize> {
     json::array(extension, "trees")
         .iter()
-        .filter_map(|tree| tree.get("tables")?.as_object())
+        .flat_map(|tree| [tree.get("tables"), tree.pointer("/proxies/tables")])
+        .filter_map(|tables| tables?.as_object())
         .flat_map(|tables| tables.values().filter_map(json::index))
         .collect()
 }
 
-/// Removes accessors, buffer view and bytes if they are still the last ones and nobody else uses them.
-fn remove_tables(document: &mut Document, extension: &Value, before: &Map<String, Value>) -> Option<()> {
-    let used = table_accessors(extension);
-    let accessors = json::array(&document.json, "accessors");
-    let first = *used.first()?;
-    let view_index = json::array(&document.json, "bufferViews").len().checked_sub(1)?;
-    let in_view = |accessor: &Value| accessor.get("bufferView").and_then(json::index) == Some(view_index);
-    let ours = accessors.get(first..)?;
-    let trailing = used.len() == ours.len() && used.last() == Some(&(accessors.len() - 1));
-    let exclusive = ours.iter().all(in_view)
-        && !accessors[..first].iter().any(|accessor| mentions_view(accessor, view_index))
-        && !json::array(&document.json, "images").iter().any(in_view)
-        && !scene_uses_accessors(&document.json, first..accessors.len());
-    if !trailing || !exclusive {
-        return None;
-    }
-    let views = json::array(&document.json, "bufferViews");
-    let view = views.get(view_index)?;
-    let buffer = json::index(view.get("buffer")?)?;
-    let start = view.get("byteOffset").map_or(Some(0), json::index)?;
-    let length = json::index(view.get("byteLength")?)?;
-    let end = start.checked_add(length)?;
-    let free_from = views[..view_index].iter().filter_map(|view| end_in(view, buffer)).max().unwrap_or(0);
-    let bytes = document.buffers.get(buffer)?.len();
-
-    // Where the buffer ended before; `None` if it did not exist.
-    let old_length = match before.get("byteLength") {
-        Some(stood) => Some(json::index(stood).filter(|&stood| stood <= start && start - stood < 4)?),
-        None => (start > 0).then_some(start),
-    };
-    let last_buffer = buffer + 1 == document.buffers.len();
+/// Removes meshes, materials, accessors, buffer views and bytes if they are still the last ones and nobody else uses them;
+/// returns the containers they were in.
+fn remove_payload(
+    document: &mut Document,
+    extension: &Value,
+    before: &Map<String, Value>,
+) -> Option<Vec<&'static str>> {
+    let own = Own::find(document, extension)?;
+    let region = own.region(document, before)?;
+    let last_buffer = region.buffer + 1 == document.buffers.len();
     let objects = json::array(&document.json, "buffers");
-    if [objects.len(), document.storage.len()] != [document.buffers.len(); 2] || !objects[buffer].is_object()
+    if [objects.len(), document.storage.len()] != [document.buffers.len(); 2]
+        || !objects[region.buffer].is_object()
+        || (region.old_length.is_none() && !last_buffer)
     {
         return None;
     }
-    if end != bytes || free_from > old_length.unwrap_or(0) || (old_length.is_none() && !last_buffer) {
-        return None;
+    let mut touched = vec!["buffers", "bufferViews", "accessors"];
+    truncate(&mut document.json, "accessors", own.accessors);
+    truncate(&mut document.json, "bufferViews", own.views);
+    for (key, length) in [("meshes", own.meshes), ("materials", own.materials)] {
+        if length < json::array(&document.json, key).len() {
+            truncate(&mut document.json, key, length);
+            touched.push(key);
+        }
     }
-    truncate(&mut document.json, "accessors", first);
-    truncate(&mut document.json, "bufferViews", view_index);
-    match old_length {
+    match region.old_length {
         Some(old) => {
-            document.buffers[buffer].truncate(old);
-            document.json["buffers"][buffer]["byteLength"] =
+            document.buffers[region.buffer].truncate(old);
+            document.json["buffers"][region.buffer]["byteLength"] =
                 before.get("byteLength").cloned().unwrap_or_else(|| old.into());
         }
         None => {
             document.buffers.pop();
             document.storage.pop();
-            truncate(&mut document.json, "buffers", buffer);
+            truncate(&mut document.json, "buffers", region.buffer);
         }
     }
-    Some(())
+    Some(touched)
+}
+
+/// Where what is ours begins in each array; it reaches to the end.
+struct Own {
+    accessors: usize,
+    views: usize,
+    meshes: usize,
+    materials: usize,
+}
+
+/// The bytes of the payload.
+struct Region {
+    buffer: usize,
+    /// Where the buffer ended before; `None` if it did not exist.
+    old_length: Option<usize>,
+}
+
+impl Own {
+    /// `None` if there is nothing, or if anything of it is not last, or used by others.
+    fn find(document: &Document, extension: &Value) -> Option<Self> {
+        let root = &document.json;
+        let all_meshes = json::array(root, "meshes");
+        let meshes = trailing(&meshes_of(document, extension)?, all_meshes.len())?;
+        let names_mesh = |node: &Value| {
+            node.get("mesh")
+                .and_then(json::index)
+                .is_some_and(|mesh| (meshes..all_meshes.len()).contains(&mesh))
+        };
+        if json::array(root, "nodes").iter().any(names_mesh) {
+            return None;
+        }
+        let mut accessors = table_accessors(extension);
+        accessors.extend(all_meshes[meshes..].iter().flat_map(accessors_of_mesh));
+        let all_accessors = json::array(root, "accessors");
+        let first_accessor = trailing(&accessors, all_accessors.len())?;
+        let views: Option<BTreeSet<usize>> = all_accessors[first_accessor..]
+            .iter()
+            .map(|accessor| accessor.get("bufferView").and_then(json::index))
+            .collect();
+        let all_views = json::array(root, "bufferViews").len();
+        let first_view = trailing(&views?, all_views)?;
+        let mentions = |accessor: &Value| (first_view..all_views).any(|view| mentions_view(accessor, view));
+        let in_view = |image: &Value| {
+            image
+                .get("bufferView")
+                .and_then(json::index)
+                .is_some_and(|view| (first_view..all_views).contains(&view))
+        };
+        if accessors.is_empty()
+            || first_view == all_views
+            || all_accessors[..first_accessor].iter().any(mentions)
+            || json::array(root, "images").iter().any(in_view)
+            || scene_uses_accessors(root, first_accessor..all_accessors.len(), meshes)
+        {
+            return None;
+        }
+        let materials = first_own_material(root, meshes);
+        Some(Self { accessors: first_accessor, views: first_view, meshes, materials })
+    }
+
+    fn region(&self, document: &Document, before: &Map<String, Value>) -> Option<Region> {
+        let views = json::array(&document.json, "bufferViews");
+        let buffer = json::index(views.get(self.views)?.get("buffer")?)?;
+        let (mut start, mut end) = (usize::MAX, 0);
+        for view in &views[self.views..] {
+            if json::index(view.get("buffer")?)? != buffer {
+                return None;
+            }
+            let offset = view.get("byteOffset").map_or(Some(0), json::index)?;
+            start = start.min(offset);
+            end = end.max(offset.checked_add(json::index(view.get("byteLength")?)?)?);
+        }
+        let others = views[..self.views].iter().filter_map(|view| end_in(view, buffer));
+        let free_from = others.max().unwrap_or(0);
+        let old_length = match before.get("byteLength") {
+            Some(stood) => Some(json::index(stood).filter(|&stood| stood <= start && start - stood < 4)?),
+            None => (start > 0).then_some(start),
+        };
+        if end != document.buffers.get(buffer)?.len() || free_from > old_length.unwrap_or(0) {
+            return None;
+        }
+        Some(Region { buffer, old_length })
+    }
+}
+
+/// First index of a set that must be the last indices of an array; the array's length for an empty set.
+fn trailing(set: &BTreeSet<usize>, length: usize) -> Option<usize> {
+    let first = length.checked_sub(set.len())?;
+    (set.iter().copied().eq(first..length)).then_some(first)
+}
+
+/// Meshes that the extension names as simplified ones. `None` if a table cannot be read.
+fn meshes_of(document: &Document, extension: &Value) -> Option<BTreeSet<usize>> {
+    let levels = json::array(extension, "meshLevels").iter().flat_map(|entry| json::array(entry, "levels"));
+    let mut meshes: BTreeSet<usize> = levels.filter_map(|level| json::index(level.get("mesh")?)).collect();
+    for tree in json::array(extension, "trees") {
+        if let Some(table) = tree.pointer("/proxies/tables/PROXY_MESH").and_then(json::index) {
+            let named = document.accessor(table).ok()?.read_indices_u32().ok()?;
+            meshes.extend(named.into_iter().map(|mesh| mesh as usize));
+        }
+    }
+    Some(meshes)
+}
+
+/// Accessors of a mesh's vertices and indices.
+fn accessors_of_mesh(mesh: &Value) -> impl Iterator<Item = usize> {
+    json::array(mesh, "primitives").iter().flat_map(|primitive| {
+        let attributes = primitive.get("attributes").and_then(Value::as_object);
+        let attributes = attributes.into_iter().flat_map(|all| all.values());
+        attributes.chain(primitive.get("indices")).filter_map(json::index)
+    })
+}
+
+/// The materials at the end of the list that only meshes from `meshes` on use.
+fn first_own_material(root: &Value, meshes: usize) -> usize {
+    let used_by = |list: &[Value]| -> BTreeSet<usize> {
+        let primitives = list.iter().flat_map(|mesh| json::array(mesh, "primitives"));
+        let mut used = BTreeSet::new();
+        for primitive in primitives {
+            used.extend(primitive.get("material").and_then(json::index));
+            let variants = primitive.pointer("/extensions/KHR_materials_variants");
+            let mappings = variants.map_or(&[][..], |variants| json::array(variants, "mappings"));
+            used.extend(mappings.iter().filter_map(|mapping| json::index(mapping.get("material")?)));
+        }
+        used
+    };
+    let all = json::array(root, "meshes");
+    let (others, own) = (used_by(&all[..meshes]), used_by(&all[meshes..]));
+    let mut first = json::array(root, "materials").len();
+    while first > 0 && own.contains(&(first - 1)) && !others.contains(&(first - 1)) {
+        first -= 1;
+    }
+    first
 }
 
 /// Where a view of the given buffer ends, views of extensions included; `None` for views of other buffers.
@@ -146,8 +272,8 @@ fn mentions_view(accessor: &Value, view: usize) -> bool {
         .any(|pointer| accessor.pointer(pointer).and_then(json::index) == Some(view))
 }
 
-/// Whether meshes, skins, animations or instances use one of these accessors.
-fn scene_uses_accessors(root: &Value, accessors: Range<usize>) -> bool {
+/// Whether one of the first `meshes` meshes, skins, animations or instances use one of these accessors.
+fn scene_uses_accessors(root: &Value, accessors: Range<usize>, meshes: usize) -> bool {
     let hit = |value: &Value| json::index(value).is_some_and(|index| accessors.contains(&index));
     let any_hit =
         |value: Option<&Value>| value.and_then(Value::as_object).is_some_and(|map| map.values().any(hit));
@@ -158,7 +284,8 @@ fn scene_uses_accessors(root: &Value, accessors: Range<usize>) -> bool {
             || json::array(primitive, "targets").iter().any(|target| any_hit(Some(target)))
     };
     let sampler = |sampler: &Value| property(sampler, "input") || property(sampler, "output");
-    json::array(root, "meshes").iter().any(|mesh| json::array(mesh, "primitives").iter().any(primitive))
+    let meshes = json::array(root, "meshes").get(..meshes).unwrap_or_default();
+    meshes.iter().any(|mesh| json::array(mesh, "primitives").iter().any(primitive))
         || json::array(root, "skins").iter().any(|skin| property(skin, "inverseBindMatrices"))
         || json::array(root, "animations")
             .iter()

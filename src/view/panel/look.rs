@@ -5,7 +5,7 @@ use crate::view::state::Colours;
 use egui::Ui;
 
 pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         for colours in Colours::ALL {
             let (name, hover) = match colours {
@@ -15,6 +15,10 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
                     ("level", "How far outside an object is still seen, from any side: dark inside its innermost group only, bright from \
                      outside the whole tree.")
                 }
+                Colours::Proxies => ("proxy_colours", "Proxies orange, simplified objects blue, objects as they are grey."),
+                Colours::Severity => {
+                    ("severity", "How much less the error counts because little is visible: blue not at all, red wholly.")
+                }
                 Colours::Importance => ("importance", "The largest visible size in any direction: dark small, bright large."),
             };
             let there = viewer.scene.as_ref().is_none_or(|scene| scene.has(colours));
@@ -23,7 +27,7 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
                 let response = ui
                     .selectable_label(chosen, colours.label())
                     .on_hover_text(format!("{hover} Key B: next colours."))
-                    .on_disabled_hover_text("Only for files with baked visibility.");
+                    .on_disabled_hover_text("Only for files with baked visibility, or with proxies.");
                 if response.clicked() {
                     viewer.state.colours = colours;
                 }

@@ -2,6 +2,7 @@
 
 mod camera;
 mod culling;
+mod detail;
 mod figures;
 mod graphs;
 mod help;
@@ -40,6 +41,7 @@ fn sections(ui: &mut Ui, viewer: &mut Viewer) {
     figures::header(ui, viewer);
     section(ui, "Figures", |ui| figures::show(ui, viewer));
     section(ui, "Culling", |ui| culling::show(ui, viewer));
+    section(ui, "Proxies", |ui| detail::show(ui, viewer));
     section(ui, "Object", |ui| object::show(ui, viewer));
     section(ui, "Look", |ui| look::show(ui, viewer));
     section(ui, "Camera", |ui| camera::show(ui, viewer));

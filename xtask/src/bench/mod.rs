@@ -1,6 +1,7 @@
 //! Measurements over whole scenes.
 
 pub(crate) mod frames;
+pub(crate) mod proxies;
 pub(crate) mod scenes;
 
 use crate::run;

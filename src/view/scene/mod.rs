@@ -1,19 +1,21 @@
 //! The open file: what of it is drawn, and how it looks.
 
-use super::canvas::{Canvas, SCENE_FORMAT};
-use super::figures::FrameFigures;
-use super::loading::Loaded;
-use super::overlay;
-use super::state::{Colours, Limit, State};
-use super::tints;
-use crate::stage::{Method, Stage, visible_objects};
+mod items;
+
+pub(crate) use items::Missing;
+
+use crate::stage::{Kind, Method, Stage, visible_objects};
+use crate::view::canvas::{Canvas, SCENE_FORMAT};
+use crate::view::figures::FrameFigures;
+use crate::view::loading::Loaded;
+use crate::view::overlay;
+use crate::view::state::{Colours, Limit, State};
+use crate::view::tints;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use svs_render::{
-    Frame, Gpu, GpuScene, ItemBuffer, Line, NO_ITEM, Offscreen, RenderError, Renderer, View, wgpu,
-};
-use svs_runtime::{Budget, CostModel, Settings};
+use svs_render::{Frame, Gpu, GpuScene, Line, Offscreen, RenderError, Renderer, View, wgpu};
+use svs_runtime::{Budget, CostModel, Detail, Settings};
 
 /// A camera and the size of its image: all that culling looks from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,20 +34,8 @@ struct CullKey {
     limit: Limit,
     triangles: u64,
     milliseconds: f64,
+    detail: Option<Detail>,
     hidden: u64,
-}
-
-/// What is missing, measured.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub(crate) struct Missing {
-    /// Pixels that show an object which is not drawn.
-    pub(crate) pixels: u64,
-    /// Pixels of the image.
-    pub(crate) of: u64,
-    /// Missing pixels per million pixels of the image.
-    pub(crate) ppm: f64,
-    /// Objects that are seen and not drawn.
-    pub(crate) objects: usize,
 }
 
 /// An open file and everything that belongs to it.
@@ -56,8 +46,9 @@ pub(crate) struct OpenScene {
     gpu_scene: GpuScene,
     renderer: Renderer,
     offscreen: Option<(Offscreen, [u32; 2])>,
-    /// Objects that are drawn, as culling gave them, and the same as a set.
+    /// What is drawn, as culling gave it: objects, and their levels and proxies.
     drawn: Vec<u32>,
+    /// For each object of the file: it is drawn, or something that stands for it.
     is_drawn: Vec<bool>,
     hidden: BTreeSet<u32>,
     hidden_version: u64,
@@ -74,7 +65,7 @@ pub(crate) struct OpenScene {
 impl OpenScene {
     /// Takes a file over from the loader.
     pub(crate) fn new(gpu: &Gpu, loaded: Loaded) -> Self {
-        let objects = loaded.stage.data.objects.len();
+        let objects = loaded.stage.scene.objects.len();
         Self {
             path: loaded.path,
             stage: loaded.stage,
@@ -111,12 +102,12 @@ impl OpenScene {
         self.gpu_scene.bytes()
     }
 
-    /// The objects that culling lets through.
+    /// What culling lets through.
     pub(crate) fn drawn(&self) -> &[u32] {
         &self.drawn
     }
 
-    /// Whether culling lets an object through.
+    /// Whether culling lets an object through, or something that stands for it.
     pub(crate) fn is_drawn(&self, object: u32) -> bool {
         self.is_drawn.get(object as usize).copied().unwrap_or(false)
     }
@@ -164,6 +155,7 @@ impl OpenScene {
             limit: state.limit,
             triangles: state.triangles,
             milliseconds: state.milliseconds,
+            detail: state.proxies.then(|| state.detail()),
             hidden: self.hidden_version,
         };
         if state.freeze && self.culled.as_ref() == Some(&key) {
@@ -177,7 +169,13 @@ impl OpenScene {
             Limit::Milliseconds => Budget::Milliseconds(state.milliseconds, &self.cost),
         };
         let begin = Instant::now();
-        let objects = self.stage.cull(&eye.view, eye.width, eye.height, state.method, &key.settings, &budget);
+        let Eye { view, width, height } = eye;
+        let objects = match &key.detail {
+            Some(detail) => {
+                self.stage.select(&view, width, height, state.method, &key.settings, detail, &budget)
+            }
+            None => self.stage.cull(&view, width, height, state.method, &key.settings, &budget),
+        };
         self.cull_us = begin.elapsed().as_secs_f64() * 1e6;
         self.drawn.clear();
         self.drawn.extend_from_slice(objects);
@@ -193,32 +191,18 @@ impl OpenScene {
             self.cull_us = begin.elapsed().as_secs_f64() * 1e6;
         }
         self.is_drawn.fill(false);
-        for &object in &self.drawn {
-            self.is_drawn[object as usize] = true;
+        for &id in &self.drawn {
+            match self.is_drawn.get_mut(id as usize) {
+                Some(drawn) => *drawn = true,
+                None => {
+                    for object in self.stage.objects_of(id) {
+                        self.is_drawn[object as usize] = true;
+                    }
+                }
+            }
         }
         self.culled = Some(key);
         Ok(())
-    }
-
-    /// Which object is nearest at every pixel.
-    fn items(&mut self, gpu: &Gpu, eye: &Eye, shown: Shown) -> Result<ItemBuffer, RenderError> {
-        let size = [eye.width.max(1), eye.height.max(1)];
-        let mut offscreen = match self.offscreen.take() {
-            Some((offscreen, has)) if has == size => offscreen,
-            _ => Offscreen::new(gpu, size[0], size[1])?,
-        };
-        let all: Vec<u32>;
-        let objects = match shown {
-            Shown::Drawn => &self.drawn,
-            Shown::All => {
-                all = self.not_hidden();
-                &all
-            }
-        };
-        let frame = Frame { view: eye.view, objects, lines: &[] };
-        let items = offscreen.items(gpu, &mut self.renderer, &self.gpu_scene, &frame);
-        self.offscreen = Some((offscreen, size));
-        items
     }
 
     /// Everything the user has not hidden.
@@ -229,37 +213,6 @@ impl OpenScene {
     /// What is shown: what is drawn, or all with the skipped marked.
     fn shown(&self, state: &State) -> Shown {
         if state.freeze && state.skipped { Shown::All } else { Shown::Drawn }
-    }
-
-    /// The object at a pixel of the picture; glass counts before what is behind it.
-    pub(crate) fn pick(
-        &mut self,
-        gpu: &Gpu,
-        eye: &Eye,
-        state: &State,
-        pixel: [u32; 2],
-    ) -> Result<Option<u32>, RenderError> {
-        let items = self.items(gpu, eye, self.shown(state))?;
-        let index = pixel[1] as usize * items.width as usize + pixel[0] as usize;
-        let at = |buffer: &[u32]| buffer.get(index).copied().filter(|&object| object != NO_ITEM);
-        Ok(at(&items.transparent).or_else(|| at(&items.nearest)))
-    }
-
-    /// Compares what is drawn with everything that could be, pixel by pixel, from where culling looks.
-    pub(crate) fn measure_missing(&mut self, gpu: &Gpu, eye: &Eye) -> Result<Missing, RenderError> {
-        let eye = self.cull_eye(eye);
-        let items = self.items(gpu, &eye, Shown::All)?;
-        let lacks = |object: u32| object != NO_ITEM && !self.is_drawn(object);
-        let mut objects = BTreeSet::new();
-        let mut pixels = 0_u64;
-        for (&nearest, &transparent) in items.nearest.iter().zip(&items.transparent) {
-            if lacks(nearest) || lacks(transparent) {
-                pixels += 1;
-                objects.extend([nearest, transparent].into_iter().filter(|&object| lacks(object)));
-            }
-        }
-        let of = items.nearest.len() as u64;
-        Ok(Missing { pixels, of, ppm: pixels as f64 / of.max(1) as f64 * 1e6, objects: objects.len() })
     }
 
     /// Draws the scene into the canvas and waits for the GPU.
@@ -288,6 +241,9 @@ impl OpenScene {
             frame_ms,
             cull_us: self.cull_us,
             objects: self.drawn.len(),
+            proxies: self.stage.count(&self.drawn, Kind::Proxy),
+            simplified: self.stage.count(&self.drawn, Kind::Level),
+            nodes: self.stage.nodes_shown(&self.drawn),
             draws: statistics.draw_calls,
             triangles: self.drawn.iter().map(triangles).sum(),
             estimated_missing_ppm: self.estimated_missing_ppm,
@@ -298,15 +254,19 @@ impl OpenScene {
         let marks_skipped = self.shown(state) == Shown::All;
         let mut tints = tints::base(&self.stage, state.colours);
         if marks_skipped || state.selected.is_some() {
-            tints.resize(self.object_count(), tints::NONE);
+            let ids = self.stage.data.objects.len();
+            tints.resize(ids, tints::NONE);
         }
         if marks_skipped {
             for (tint, _) in tints.iter_mut().zip(&self.is_drawn).filter(|(_, drawn)| !**drawn) {
                 *tint = tints::SKIPPED;
             }
         }
-        if let Some(tint) = state.selected.and_then(|object| tints.get_mut(object as usize)) {
-            *tint = tints::SELECTED;
+        if let Some(object) = state.selected.filter(|&object| (object as usize) < tints.len()) {
+            tints[object as usize] = tints::SELECTED;
+            for level in self.stage.levels_of(object) {
+                tints[level as usize] = tints::SELECTED;
+            }
         }
         if tints != self.tints {
             self.tints = tints;
@@ -369,6 +329,9 @@ impl OpenScene {
             Method::Exact => return "not drawn: it shows in no pixel of the item buffer".to_owned(),
             Method::Frustum | Method::Visibility => {}
         }
+        if let Some(text) = self.stand_in(object, drawn) {
+            return text;
+        }
         let eye = self.cull_eye(eye);
         let Some(draw) = self.stage.draw_of(object) else {
             return "drawn always: culling does not know it".to_owned();
@@ -376,12 +339,16 @@ impl OpenScene {
         let camera = Stage::camera(&eye.view, eye.width, eye.height);
         let settings = if state.method == Method::Frustum { Settings::FRUSTUM } else { state.settings() };
         let reason = self.stage.culler().explain(draw, &camera, &settings);
-        super::explain::sentence(&reason, drawn, state.limit != Limit::None)
+        crate::view::explain::sentence(&reason, drawn, state.limit != Limit::None)
     }
 
-    /// Colours that need what was baked can be shown.
+    /// Colours can be shown: they need what was baked, or proxies.
     pub(crate) fn has(&self, colours: Colours) -> bool {
-        self.stage.is_baked() || matches!(colours, Colours::Material | Colours::Object)
+        match colours {
+            Colours::Material | Colours::Object => true,
+            Colours::Level | Colours::Importance => self.stage.is_baked(),
+            Colours::Proxies | Colours::Severity => self.stage.has_proxies(),
+        }
     }
 }
 
