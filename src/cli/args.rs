@@ -105,6 +105,7 @@ pub(crate) struct Build {
     pub(crate) prune: Option<f64>,
     #[command(flatten)]
     pub(crate) hidden: super::hidden::Hidden,
+    #[command(flatten)]
     pub(crate) proxies: Proxies,
     /// Write the full report to this file too
     #[arg(long, value_name = "FILE.json")]
