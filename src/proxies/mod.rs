@@ -17,8 +17,6 @@ mod pieces;
 mod repeats;
 mod report;
 mod tables;
-#[cfg(test)]
-mod tests;
 
 pub use options::{
     DEFAULT_ERROR_PIXELS, DEFAULT_SHARE, DEFAULT_TRIANGLES, ProxyFormat, ProxyMode, ProxyOptions,
