@@ -26,6 +26,9 @@ struct Reference {
 
 type Result<T> = std::result::Result<T, EvaluateError>;
 
+/// Per method, per frame.
+type Results = Vec<Vec<(QualityResult, Simplified)>>;
+
 /// Compares all frames with all methods. `lists[method][frame]` is what the method has drawn, where it cannot be asked again.
 /// The results are in the same order; with them, per method whose pictures differ, the frame that differs most.
 pub(super) fn compare(
@@ -34,14 +37,13 @@ pub(super) fn compare(
     options: &EvaluateOptions,
     lists: &[Vec<Option<Vec<u32>>>],
     progress: &dyn Progress,
-) -> Result<(Vec<Vec<(QualityResult, Simplified)>>, Vec<WorstFrame>)> {
+) -> Result<(Results, Vec<WorstFrame>)> {
     let methods = &options.methods;
     let known = |method: EvaluationMethod, frame: usize| {
         let place = methods.iter().position(|&other| other == method)?;
         lists.get(place).and_then(|frames| frames.get(frame)).and_then(Option::as_deref)
     };
-    let mut results: Vec<Vec<(QualityResult, Simplified)>> =
-        methods.iter().map(|_| Vec::with_capacity(shots.len())).collect();
+    let mut results: Results = methods.iter().map(|_| Vec::with_capacity(shots.len())).collect();
     let mut worst: Vec<Option<WorstFrame>> = methods.iter().map(|_| None).collect();
     for (frame, shot) in shots.iter().enumerate() {
         let in_frustum = sorted(bench.cullers.cull(shot, EvaluationMethod::Frustum));
