@@ -16,7 +16,7 @@ fn metric(index: usize) -> Metric {
 
 /// Cameras around the scene and, seldom, in one of its objects.
 fn eye(hlod: &Hlod, seed: u64) -> svs_runtime::Camera {
-    if seed % 5 == 0 {
+    if seed.is_multiple_of(5) {
         camera_at(&hlod.bounds[0][seed as usize % hlod.bounds[0].len()], seed)
     } else {
         camera(seed)

@@ -2,18 +2,22 @@
 
 mod cut;
 mod frame;
+mod history;
 mod metric;
 pub(crate) mod mu;
+mod step;
 mod tables;
+mod view;
 mod within;
 
 use crate::budget::{Budget, Capacity, Load, Selection};
 use crate::camera::Camera;
 use crate::query::Settings;
 use crate::scene::{Draw, SceneCuller};
-use cut::{Drawn, Scene};
+use cut::Drawn;
 use frame::{Entry, Frame};
 use tables::Tables;
+use view::Scene;
 use within::{Search, Searching};
 
 pub use metric::Metric;

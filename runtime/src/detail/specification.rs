@@ -1,8 +1,8 @@
 //! The worked example of the extension's specification.
 
-use super::cut::{Scene, nodes};
 use super::frame::Content;
 use super::metric::loss;
+use super::view::{Scene, nodes};
 use super::{Detail, Level, Metric, SelectedKind};
 use crate::bounds::Bounds;
 use crate::budget::Budget;

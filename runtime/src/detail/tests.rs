@@ -1,8 +1,8 @@
 //! The cut within a budget against the best one, found by keeping every cut that no other beats in both triangles and loss.
 
-use super::cut::{Part, Scene, nodes, parts};
 use super::frame::{COVERED, Content, DROPPED, Layout, NodeState};
 use super::metric::loss;
+use super::view::{Part, Scene, nodes, parts};
 use super::{Detail, Level, Metric};
 use crate::bounds::Bounds;
 use crate::budget::Budget;

@@ -3,63 +3,14 @@
 //! A greedy search over cuts, as in Funkhouser and Séquin, *Adaptive Display Algorithm for Interactive Frame Rates*, 1993. What
 //! a cut loses is the sum over what is visible of its pixels times [`loss`] of its visible error, 1 where nothing is drawn.
 
-use super::cut::{ObjectView, Part, Scene, View, gives_way, nodes, parts};
-use super::frame::{COVERED, Content, DROPPED, Entry, Frame, Layout, NodeState, States};
+use super::cut::gives_way;
+use super::frame::{Content, DROPPED, Entry, Frame, Layout, NodeState, States};
 use super::metric::loss;
+use super::step::{Piece, Step, Target};
+use super::view::{ObjectView, Part, Scene, View, nodes, parts};
 use crate::budget::{Capacity, Load};
 use crate::select::Selector;
-use crate::within::is_still;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-
-/// Something that may be refined or dropped: a proxy of an entry, or a slot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Target {
-    Proxy(u32),
-    Slot(u32),
-}
-
-/// A thing in its coarsest form, to be drawn or dropped.
-#[derive(Clone, Copy, Debug)]
-struct Piece {
-    entry: u32,
-    target: Target,
-}
-
-/// A refinement that may be made.
-#[derive(Clone, Copy, Debug)]
-struct Step {
-    /// Benefit per triangle or millisecond that it adds; infinite if it adds none.
-    worth: f64,
-    /// What it adds.
-    triangles: i64,
-    draws: i64,
-    entry: u32,
-    target: Target,
-    /// Of a slot: the level it is refined to.
-    level: u8,
-}
-
-impl PartialEq for Step {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Step {}
-
-impl PartialOrd for Step {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Step {
-    /// The greatest comes first: the worthiest, and of equal ones what is drawn first.
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.worth.total_cmp(&other.worth).then((other.entry, other.target).cmp(&(self.entry, self.target)))
-    }
-}
 
 /// Memory of the search, kept from frame to frame.
 #[derive(Debug, Default)]
@@ -346,45 +297,6 @@ impl Searching<'_> {
         }
         if !search.pieces.is_empty() {
             self.choose(search, selector);
-        }
-    }
-
-    fn was_drawn(&self, entry: &Entry, target: Target) -> bool {
-        let Some(before) = self.before else { return false };
-        match target {
-            Target::Proxy(node) => {
-                let state = before.node_state(entry.placed, node);
-                matches!(state, Some(NodeState::Drawn | NodeState::Refined)) && self.is_still(entry, node)
-            }
-            Target::Slot(slot) => {
-                let position = self.layout.slots[slot as usize].position;
-                let state = before.slot_state(entry.placed, position);
-                state.is_some_and(|state| state != DROPPED) && self.is_slot_still(slot)
-            }
-        }
-    }
-
-    fn was_refined(&self, entry: &Entry, node: u32) -> bool {
-        let Some(before) = self.before else { return false };
-        before.node_state(entry.placed, node) == Some(NodeState::Refined) && self.is_still(entry, node)
-    }
-
-    /// Level at which an object was drawn in the last frame.
-    fn finest_before(&self, entry: &Entry, slot: u32) -> Option<u8> {
-        let position = self.layout.slots[slot as usize].position;
-        let state = self.before?.slot_state(entry.placed, position)?;
-        (state < COVERED && self.is_slot_still(slot)).then_some(state)
-    }
-
-    fn is_still(&self, entry: &Entry, node: u32) -> bool {
-        let center = nodes(self.scene.placed, entry)[node as usize].center.as_dvec3();
-        is_still(entry.local.eye() - center, entry.way)
-    }
-
-    fn is_slot_still(&self, slot: u32) -> bool {
-        match self.layout.slots[slot as usize].content() {
-            Content::Object(candidate) => self.scene.candidates[candidate as usize].still,
-            Content::Guest(_) => false,
         }
     }
 }

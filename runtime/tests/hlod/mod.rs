@@ -93,8 +93,8 @@ impl Hlod {
     pub(crate) fn new(seed: u64) -> Self {
         let mut random = Random(seed ^ 0x5EED);
         let (mut outer, mut inner) =
-            (sample(seed, seed % 3 == 0), sample(seed.wrapping_add(1000), seed % 3 == 1));
-        let has_guests = seed % 2 == 0;
+            (sample(seed, seed.is_multiple_of(3)), sample(seed.wrapping_add(1000), seed % 3 == 1));
+        let has_guests = seed.is_multiple_of(2);
         inner.tables.placement = Placement::Anchors(vec![3, 4, 5]);
         if has_guests {
             // Two of three anchors hang on objects of the outer tree.
