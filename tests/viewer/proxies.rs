@@ -86,6 +86,8 @@ fn the_mouse_reaches_every_control() {
     let stand = Stand::new();
     let file = balls(&stand);
     let mut open = Open::new(&stand, &file);
+    // The panel grows by a line once a frame was timed: its controls stand still after that.
+    stand.display.xdotool("mousemove 400 400 sleep 0.5 mousemove 410 410 sleep 0.5");
     for (control, metric) in
         [("metric_linear", "linear"), ("metric_sse", "sse"), ("metric_sigmoid", "sigmoid")]
     {

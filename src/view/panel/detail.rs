@@ -1,9 +1,9 @@
 //! Proxies: whether, how coarse, and by which metric.
 
 use super::style::FAINT;
-use super::{Viewer, checkbox, place};
+use super::{Viewer, checkbox, look, place};
 use crate::stage::Method;
-use crate::view::state::MetricName;
+use crate::view::state::{Colours, MetricName};
 use egui::{RichText, Slider, Ui};
 
 pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
@@ -29,6 +29,7 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
         let on = viewer.state.proxies;
         ui.add_enabled_ui(on, |ui| tau(ui, viewer));
         ui.add_enabled_ui(on, |ui| metric(ui, viewer));
+        look::choice(ui, viewer, &[Colours::Proxies, Colours::Severity]);
     });
 }
 
