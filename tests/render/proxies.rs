@@ -140,7 +140,8 @@ fn nothing_stands_for_what_is_hidden() {
 fn broken_proxies_are_left_out_with_a_notice() {
     let whole = handmade::document();
     let mut plain = stage(&whole);
-    let broken: [(&str, &dyn Fn(&mut serde_json::Value)); 4] = [
+    type Change = dyn Fn(&mut serde_json::Value);
+    let broken: [(&str, &Change); 4] = [
         ("no such mesh", &|json| json["meshes"].as_array_mut().expect("meshes").truncate(2)),
         ("no such accessor", &|json| {
             json["extensions"][EXTENSION_NAME]["trees"][0]["proxies"]["tables"]["PROXY_SPHERE"] = 999.into();
