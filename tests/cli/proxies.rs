@@ -64,13 +64,13 @@ fn reports_tell_of_proxies_and_their_bytes() {
     let proxies = &json["proxies"];
     assert!(proxies["nodes"].as_u64() > Some(0), "{proxies}");
     assert!(proxies["share"].as_f64().is_some_and(|share| share > 0.0 && share <= 0.2), "{proxies}");
-    // What is reported is what the file grew by, but for the extension's own few names.
+    // What is reported is about what the file grew by, and not less.
     let without = folder.path().join("without.glb");
     build(&plant(), &without, &["-q"]).ok();
     let size = |path: &Path| fs::metadata(path).expect("a file").len();
     let grown = size(&output) - size(&without);
     let told = proxies["bytes"].as_u64().expect("bytes");
-    assert!(grown <= told + 64 && told <= grown + 2_000, "{grown} bytes, {told} reported");
+    assert!(grown <= told && told <= grown + 4_000, "{grown} bytes, {told} reported");
 
     let info = run(&["info".as_ref(), output.as_os_str(), "--json".as_ref()]).ok().json();
     assert_eq!(info["trees"][0]["proxies"]["nodes"], proxies["nodes"]);
