@@ -93,10 +93,11 @@ fn simplified_meshes_are_named_for_other_loaders_and_stripped_again() {
     let [scene, one, two, without, stripped] =
         ["scene.glb", "one.glb", "two.glb", "without.glb", "stripped.glb"]
             .map(|name| folder.path().join(name));
+    run(&["sample", "plant", "-q", "--scale", "0.2", "-o", scene.to_str().expect("UTF-8")]).ok();
     // One node has extras of its own, one an empty object, one LODs of its own, one a child.
-    let mut document = Document::read(&plant()).expect("readable");
-    let options = ["--proxies", "auto", "--proxy-triangles", "500", "--msft-lod"];
-    let json = build(&plant(), &one, &[&options[..], &["--json"]].concat()).ok().json();
+    let mut document = Document::read(&scene).expect("readable");
+    let options = ["--proxies", "auto", "--proxy-triangles", "200", "--msft-lod"];
+    let json = build(&scene, &one, &[&options[..], &["--json"]].concat()).ok().json();
     let all = json["proxies"]["msft_lod"]["nodes"].as_u64().expect("nodes") as usize;
     assert_eq!(json["proxies"]["msft_lod"]["left"], 0);
     let baked = Document::read(&one).expect("readable");
