@@ -125,7 +125,7 @@ pub struct MeshLevelsJson {
 /// One simplified version of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeshLevelJson {
-    /// glTF mesh that no node names.
+    /// glTF mesh that no node of a scene names.
     pub mesh: u32,
     /// Geometric error, metres of mesh space.
     pub error: f64,

@@ -24,7 +24,7 @@ pub use report::{BakeReport, NoteReport, StageSeconds, TableReport, TreeReport};
 use crate::appearance::AppearanceError;
 use crate::gltf::payload::{self, Table};
 use crate::gltf::{AttachError, Document};
-use crate::proxies::{self, ProxyBake, ProxyMode, ProxyTree};
+use crate::proxies::{self, LodReport, ProxyBake, ProxyMode, ProxyTree};
 use crate::scene::{ReadOptions, Scene, SceneError, read_scene};
 use crate::verify::{self, VerifyError};
 use clock::Clock;
@@ -122,6 +122,7 @@ pub fn build(
     } else {
         None
     };
+    let left = proxy_report.as_ref().and_then(|report| left_without_lod(report.msft_lod.as_ref()?));
     Ok(BakeReport {
         objects: scene.objects.len(),
         baked_objects: baked.iter().map(|b| b.subject.members.len()).sum(),
@@ -148,8 +149,20 @@ pub fn build(
                 message: n.message.clone(),
                 pointer: n.pointer.clone(),
             })
+            .chain(left)
             .collect(),
         verification,
+    })
+}
+
+/// Nodes that could have got `MSFT_lod`.
+fn left_without_lod(report: &LodReport) -> Option<NoteReport> {
+    Some(NoteReport {
+        code: "MSFT_LOD_LEFT".to_owned(),
+        count: report.left,
+        message: "nodes get no MSFT_lod, because they move, or have children, a skin, extensions or thresholds of their own"
+            .to_owned(),
+        pointer: format!("/nodes/{}", report.first_left?),
     })
 }
 

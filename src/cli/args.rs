@@ -73,7 +73,8 @@ Examples:
   svs build plant.glb -o plant.glb --max-missing 20       bake in place, at most 20 missing pixels per million
   svs build city.glb -o city.svs.glb --directions icosahedron-2 --hierarchy octree --json
   svs build engine.glb -o engine.svs.glb --remove-hidden=triangles     drop what no camera can see
-  svs build plant.glb -o plant.svs.glb --proxies auto     simplified stand-ins for groups of objects too")]
+  svs build plant.glb -o plant.svs.glb --proxies auto     simplified stand-ins for groups of objects too
+  svs build plant.glb -o plant.svs.glb --proxies auto --msft-lod     its simplified meshes for other loaders too")]
 pub(crate) struct Build {
     /// Scene to bake: .glb, or .gltf with external or data-URI buffers
     #[arg(value_name = "IN")]
@@ -128,6 +129,9 @@ pub(crate) struct Proxies {
     #[arg(long, value_name = "N", default_value_t = svs::proxies::DEFAULT_TRIANGLES,
           value_parser = clap::value_parser!(u32).range(16..=1_000_000))]
     pub(crate) proxy_triangles: u32,
+    /// With --proxies: simplified meshes also as MSFT_lod, for loaders that know that extension instead
+    #[arg(long)]
+    pub(crate) msft_lod: bool,
 }
 
 /// Show what is in a baked file: trees, spheres, directions, bytes, what each level culls

@@ -12,7 +12,7 @@ use std::path::Path;
 use std::time::Instant;
 use svs::bake::BakeReport;
 use svs::hidden::HiddenReport;
-use svs::proxies::ProxyReport;
+use svs::proxies::{LodReport, ProxyReport};
 
 pub(crate) fn run(args: &Build, common: &Common) -> Result<(), Failure> {
     let options = BuildOptions::try_from(args)?;
@@ -94,6 +94,7 @@ fn to_text(report: &BakeReport, hidden: Option<&HiddenReport>, output: &Path, se
     ));
     if let Some(proxies) = &report.proxies {
         rows.push(("proxies", proxies_text(proxies)));
+        rows.extend(proxies.msft_lod.as_ref().map(|lod| ("MSFT_lod", lod_text(lod))));
     }
     rows.push(("rays", count(report.rays)));
     rows.extend(hidden.map(hidden::row));
@@ -126,6 +127,17 @@ fn proxies_text(report: &ProxyReport) -> String {
         bytes(report.bytes),
         percent(report.share),
         number(report.seconds),
+    )
+}
+
+/// What became of `MSFT_lod`, in one line.
+fn lod_text(report: &LodReport) -> String {
+    format!(
+        "on {}; {} for their simplified versions, {}; {} left",
+        counted(report.nodes as u64, "node"),
+        counted(report.appended as u64, "node"),
+        bytes(report.bytes),
+        count(report.left as u64),
     )
 }
 

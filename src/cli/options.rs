@@ -32,6 +32,12 @@ impl TryFrom<&Build> for BuildOptions {
             }
             file::check_folder(report)?;
         }
+        if args.proxies.msft_lod && matches!(args.proxies.proxies, ProxiesName::Off) {
+            return Err(Failure::Usage(
+                "--msft-lod names simplified meshes, which --proxies auto or --proxies all makes; add one of them"
+                    .to_owned(),
+            ));
+        }
         let bake = BakeOptions {
             quality: match args.quality {
                 Some(QualityName::Draft) => Quality::Draft,
@@ -73,6 +79,7 @@ impl From<&Proxies> for ProxyOptions {
                 ProxyFormatName::Quantized => ProxyFormat::Quantized,
             },
             triangles: args.proxy_triangles,
+            msft_lod: args.msft_lod,
             ..Self::default()
         }
     }

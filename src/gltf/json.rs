@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 /// A non-negative integer. Accepts `12.0` and `1.2e1`, which some exporters write.
-pub(super) fn index(value: &Value) -> Option<usize> {
+pub(crate) fn index(value: &Value) -> Option<usize> {
     if let Some(integer) = value.as_u64() {
         return usize::try_from(integer).ok();
     }
@@ -13,12 +13,12 @@ pub(super) fn index(value: &Value) -> Option<usize> {
 }
 
 /// A property that is an array; empty if it is absent or something else.
-pub(super) fn array<'a>(object: &'a Value, key: &str) -> &'a [Value] {
+pub(crate) fn array<'a>(object: &'a Value, key: &str) -> &'a [Value] {
     object.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
 
 /// An array of numbers; `None` if it is anything else.
-pub(super) fn numbers(value: &Value) -> Option<Vec<f64>> {
+pub(crate) fn numbers(value: &Value) -> Option<Vec<f64>> {
     value.as_array()?.iter().map(Value::as_f64).collect()
 }
 

@@ -18,7 +18,7 @@ mod decode;
 mod document;
 mod error;
 mod glb;
-mod json;
+pub(crate) mod json;
 mod kinds;
 pub mod payload;
 mod release;

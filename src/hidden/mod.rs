@@ -7,7 +7,7 @@
 //!
 //! What is visible is found by rays, in three steps:
 //! - parallel rays from all directions outside and rays in all directions from inside points ([`sample`]), in
-//!   batches, until a batch finds next to nothing new;
+//!   batches, until a batch finds next to nothing new or [`RAYS_PER_TRIANGLE`] are cast;
 //! - from the surfaces that no ray has seen, rays outwards: one that leaves the scene, or passes a camera point before
 //!   it meets an occluder, shows that the surface is visible ([`surface`]). Small and deep parts are found like this;
 //! - batches again; and one more after the decision, which measures how much is missed, and puts that right.
@@ -44,7 +44,7 @@ mod subject;
 mod surface;
 mod view;
 
-pub use options::{DEFAULT_CLEARANCE, HiddenOptions, RemoveMode};
+pub use options::{DEFAULT_CLEARANCE, DEFAULT_RAYS, HiddenOptions, RAYS_PER_TRIANGLE, RemoveMode};
 pub use report::{HiddenReport, RemovedObject};
 
 use crate::bake::Progress;

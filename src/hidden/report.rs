@@ -44,6 +44,8 @@ pub struct HiddenReport {
     pub bytes_kept_because: Option<String>,
     /// Rays of outside and inside cameras.
     pub rays: u64,
+    /// Most of them before the decision; they end there, or where a batch finds next to nothing new.
+    pub ray_limit: u64,
     /// Inside camera points.
     pub camera_points: u64,
     /// Batches of rays.
@@ -119,6 +121,7 @@ impl HiddenReport {
             bytes_released: 0,
             bytes_kept_because: None,
             rays: 0,
+            ray_limit: 0,
             camera_points: 0,
             batches: 0,
             surface_rays: 0,
@@ -147,6 +150,7 @@ impl HiddenReport {
         self.bytes_released = outcome.released.bytes;
         self.bytes_kept_because.clone_from(&outcome.released.kept_because);
         self.rays = sampled.rays;
+        self.ray_limit = sampled.ray_limit;
         self.camera_points = sampled.points;
         self.batches = sampled.batches;
         self.surface_rays = sampled.surface_rays;

@@ -150,6 +150,8 @@ impl Unseen {
 pub(super) struct Sampled {
     /// Rays from outside in each batch.
     batch_rays: u64,
+    /// Most rays to cast from cameras before the decision.
+    pub(super) ray_limit: u64,
     /// Rays cast from cameras.
     pub(super) rays: u64,
     /// Inside camera points.
@@ -202,8 +204,12 @@ pub(super) fn run(
     options: &HiddenOptions,
     progress: &dyn Progress,
 ) -> Sampled {
+    let triangles =
+        scene.objects.iter().map(|object| u64::from(scene.meshes[object.mesh as usize].drawn_triangles));
+    let ray_limit = options.ray_limit(triangles.sum());
     let mut sampled = Sampled {
-        batch_rays: (options.rays / 16).clamp(OUTSIDE_RAYS[0], OUTSIDE_RAYS[1]),
+        batch_rays: (ray_limit / 16).clamp(OUTSIDE_RAYS[0], OUTSIDE_RAYS[1]),
+        ray_limit,
         ..Sampled::default()
     };
     if !subject.judged.contains(&true) {
@@ -212,7 +218,7 @@ pub(super) fn run(
     let mut total_seen = 0;
     // Half of the rays before those from surfaces, which are the fewer the more is known, and half after them.
     for (limit, target) in
-        [(options.rays / 2, options.max_missing_ppm * 4.0), (options.rays, options.max_missing_ppm)]
+        [(ray_limit / 2, options.max_missing_ppm * 4.0), (ray_limit, options.max_missing_ppm)]
     {
         progress.stage("find hidden", Some(limit.saturating_sub(sampled.rays)));
         loop {

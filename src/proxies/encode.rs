@@ -187,7 +187,7 @@ impl Encoder {
         }
         let quantized = self.format == ProxyFormat::Quantized && !accessors.is_empty();
         let extensions = if quantized { vec![("KHR_mesh_quantization", true)] } else { Vec::new() };
-        Additions { views, accessors, meshes: self.meshes, materials: Vec::new(), extensions }
+        Additions { views, accessors, meshes: self.meshes, extensions, ..Additions::default() }
     }
 }
 

@@ -10,6 +10,7 @@ mod build;
 mod encode;
 pub mod geometry;
 mod hierarchy;
+mod lod;
 mod materials;
 mod mesh_levels;
 mod options;
@@ -18,6 +19,7 @@ mod repeats;
 mod report;
 mod tables;
 
+pub use lod::LodReport;
 pub use options::{
     DEFAULT_ERROR_PIXELS, DEFAULT_SHARE, DEFAULT_TRIANGLES, ProxyFormat, ProxyMode, ProxyOptions,
     SCREEN_LINES,
@@ -143,6 +145,9 @@ pub fn bake(
     }
     if result.report.bytes > limit {
         result = made.write(document, scene, trees, &looks, options, &made.choose(trees, 0, options));
+    }
+    if options.msft_lod {
+        result.report.msft_lod = Some(lod::add(document, scene, &mut result));
     }
     result.report.share = result.report.bytes as f64 / geometry_bytes.max(1) as f64;
     result.report.without = without;

@@ -35,6 +35,8 @@ pub struct ProxyOptions {
     pub triangles: u32,
     /// Bytes added for them, JSON counted, as a share of the scene's geometry, at most.
     pub share: f64,
+    /// Nodes whose mesh gets simplified versions name them in `MSFT_lod` too, for loaders that do not know our extension.
+    pub msft_lod: bool,
 }
 
 /// See [`ProxyOptions::error_pixels`].
@@ -57,6 +59,7 @@ impl Default for ProxyOptions {
             format: ProxyFormat::default(),
             triangles: DEFAULT_TRIANGLES,
             share: DEFAULT_SHARE,
+            msft_lod: false,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What became of the proxies, in figures.
 
+use super::LodReport;
 use serde::Serialize;
 
 /// Figures of all proxies of a bake.
@@ -25,6 +26,9 @@ pub struct ProxyReport {
     pub dropped: usize,
     /// Proxies by their depth, all trees together.
     pub levels: Vec<ProxyLevelReport>,
+    /// What became of `MSFT_lod`, if it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub msft_lod: Option<LodReport>,
     /// Trees without proxies, and why.
     pub without: Vec<String>,
     /// Wall-clock seconds.

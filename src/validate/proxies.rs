@@ -5,7 +5,7 @@ use super::ROOT;
 use super::places::{Place, PlacedTree};
 use super::report::ValidationReport;
 use super::spheres::{allowed, excess};
-use crate::gltf::Document;
+use crate::gltf::{Document, json};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::Value;
@@ -16,16 +16,35 @@ use svs_runtime::Proxies;
 /// clean file needs hardly any.
 const MOST_COMPARISONS: usize = 1 << 27;
 
-/// Meshes that nodes use, each with the first of them.
+/// Meshes that nodes of scenes use, each with the first of them. Nodes in no scene do not count: `MSFT_lod` names such.
 pub(super) fn used_meshes(doc: &Document) -> BTreeMap<u64, usize> {
     let nodes = doc.json.get("nodes").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
     let mut used = BTreeMap::new();
-    for (index, node) in nodes.iter().enumerate() {
+    let reached = reached_nodes(doc, nodes);
+    for (index, node) in nodes.iter().enumerate().filter(|(index, _)| reached[*index]) {
         if let Some(mesh) = node.get("mesh").and_then(Value::as_u64) {
             used.entry(mesh).or_insert(index);
         }
     }
     used
+}
+
+/// By node: a scene reaches it.
+fn reached_nodes(doc: &Document, nodes: &[Value]) -> Vec<bool> {
+    let mut reached = vec![false; nodes.len()];
+    let named = |object: &Value, list: &str| -> Vec<usize> {
+        json::array(object, list).iter().filter_map(json::index).collect()
+    };
+    let scenes = json::array(&doc.json, "scenes");
+    let mut open: Vec<usize> = scenes.iter().flat_map(|scene| named(scene, "nodes")).collect();
+    while let Some(node) = open.pop() {
+        // Each node once, so that a broken graph ends too.
+        if reached.get(node) == Some(&false) {
+            reached[node] = true;
+            open.extend(named(&nodes[node], "children"));
+        }
+    }
+    reached
 }
 
 /// Checks `meshLevels`.

@@ -45,7 +45,8 @@ fn check(inputs: &[PathBuf], extension: &str) {
         build(input, &output, &["-q"]).ok();
         let proxies = folder.path().join(format!("{index}.proxies.{extension}"));
         let format = ["float", "quantized"][index % 2];
-        let options = ["-q", "--proxies", "auto", "--proxy-triangles", "500", "--proxy-format", format];
+        let options =
+            ["-q", "--proxies", "auto", "--proxy-triangles", "500", "--proxy-format", format, "--msft-lod"];
         build(input, &proxies, &options).ok();
         files.extend([input.clone(), output, proxies]);
     }

@@ -78,3 +78,94 @@ fn reports_tell_of_proxies_and_their_bytes() {
     let text = run(&["info".as_ref(), output.as_os_str()]).ok().stdout;
     assert!(text.contains("of what is visible from outside") && text.contains("PROXY_SPHERE"), "{text}");
 }
+
+#[test]
+fn msft_lod_comes_with_proxies_only() {
+    for more in [&[][..], &["--proxies", "off"]] {
+        let arguments = [&["build", "in.glb", "-o", "out.glb", "--msft-lod"], more].concat();
+        run(&arguments).fails(2, &["--msft-lod", "--proxies auto"]);
+    }
+}
+
+#[test]
+fn simplified_meshes_are_named_for_other_loaders_and_stripped_again() {
+    let folder = folder();
+    let [scene, one, two, without, stripped] =
+        ["scene.glb", "one.glb", "two.glb", "without.glb", "stripped.glb"]
+            .map(|name| folder.path().join(name));
+    run(&["sample", "plant", "-q", "--scale", "0.2", "-o", scene.to_str().expect("UTF-8")]).ok();
+    // One node has extras of its own, one an empty object, one LODs of its own, one a child.
+    let mut document = Document::read(&scene).expect("readable");
+    let options = ["--proxies", "auto", "--proxy-triangles", "200", "--msft-lod"];
+    let json = build(&scene, &one, &[&options[..], &["--json"]].concat()).ok().json();
+    let all = json["proxies"]["msft_lod"]["nodes"].as_u64().expect("nodes") as usize;
+    assert_eq!(json["proxies"]["msft_lod"]["left"], 0);
+    let baked = Document::read(&one).expect("readable");
+    let lods = |document: &Document| -> Vec<usize> {
+        let nodes = document.json["nodes"].as_array().expect("nodes").iter().enumerate();
+        nodes.filter(|(_, node)| !node["extensions"]["MSFT_lod"].is_null()).map(|(index, _)| index).collect()
+    };
+    let carriers = lods(&baked);
+    assert!(all > 4 && carriers.len() == all, "{all} {carriers:?}");
+    let count = document.json["nodes"].as_array().expect("nodes").len();
+    let nodes = document.json["nodes"].as_array_mut().expect("nodes");
+    nodes[carriers[0]]["extras"] = serde_json::json!({"id": "a"});
+    nodes[carriers[1]]["extras"] = serde_json::json!({});
+    nodes[carriers[2]]["extensions"] = serde_json::json!({"MSFT_lod": {"ids": [count]}});
+    nodes[carriers[3]]["children"] = serde_json::json!([count + 1]);
+    nodes.extend([serde_json::json!({"mesh": 0}), serde_json::json!({})]);
+    document.json["extensionsUsed"] = serde_json::json!(["MSFT_lod"]);
+    document.write(&scene).expect("written");
+
+    let json = build(&scene, &one, &[&options[..], &["--json"]].concat()).ok().json();
+    let told = &json["proxies"]["msft_lod"];
+    assert_eq!([&told["nodes"], &told["left"]], [all - 2, 2], "{told}");
+    let note = json["notes"].as_array().expect("notes").iter().find(|note| note["code"] == "MSFT_LOD_LEFT");
+    assert_eq!(note.expect("a note")["count"], 2);
+
+    let baked = Document::read(&one).expect("readable");
+    let nodes = baked.json["nodes"].as_array().expect("nodes");
+    assert_eq!(nodes.len(), count + 2 + told["appended"].as_u64().expect("appended") as usize);
+    let reached: Vec<u64> = nodes
+        .iter()
+        .chain(baked.json["scenes"].as_array().expect("scenes"))
+        .flat_map(|object| [&object["children"], &object["nodes"]])
+        .filter_map(|list| list.as_array())
+        .flatten()
+        .filter_map(|node| node.as_u64())
+        .collect();
+    assert!(reached.iter().all(|&node| node < count as u64 + 2), "an appended node is in the scene");
+    for carrier in lods(&baked).into_iter().filter(|&carrier| carrier != carriers[2]) {
+        let node = &nodes[carrier];
+        let ids = node["extensions"]["MSFT_lod"]["ids"].as_array().expect("ids");
+        let coverage: Vec<f64> = node["extras"]["MSFT_screencoverage"]
+            .as_array()
+            .expect("thresholds")
+            .iter()
+            .map(|share| share.as_f64().expect("a number"))
+            .collect();
+        assert_eq!(coverage.len(), ids.len() + 1);
+        assert_eq!(coverage.last(), Some(&0.0), "the coarsest is never left out");
+        assert!(coverage.is_sorted_by(|a, b| a >= b) && coverage[0] <= 1.0, "{coverage:?}");
+        for id in ids {
+            let version = &nodes[id.as_u64().expect("an index") as usize];
+            for key in ["translation", "rotation", "scale", "matrix"] {
+                assert_eq!(version.get(key), node.get(key));
+            }
+        }
+    }
+    assert_eq!(nodes[carriers[0]]["extras"]["id"], "a");
+    run(&["validate".as_ref(), one.as_os_str()]).ok();
+
+    build(&one, &two, &[&options[..], &["-q", "--threads", "1"]].concat()).ok();
+    assert!(
+        fs::read(&two).expect("baked") == fs::read(&one).expect("baked"),
+        "a second build changes the result"
+    );
+    // Everything but the nodes is as without the flag.
+    build(&scene, &without, &[&options[..4], &["-q"]].concat()).ok();
+    build(&one, &two, &[&options[..4], &["-q"]].concat()).ok();
+    assert!(fs::read(&two).expect("baked") == fs::read(&without).expect("baked"));
+    run(&["strip".as_ref(), one.as_os_str(), "-o".as_ref(), stripped.as_os_str()]).ok();
+    assert!(contents(&stripped) == contents(&scene), "JSON or buffers differ");
+}

@@ -14,7 +14,7 @@ use svs::hidden::{HiddenOptions, HiddenReport, RemoveMode, remove};
 
 /// Few rays: these scenes are small.
 fn options(mode: RemoveMode, clearance: Option<f64>) -> HiddenOptions {
-    HiddenOptions { mode, clearance, rays: 1 << 19, ..HiddenOptions::default() }
+    HiddenOptions { mode, clearance, rays: Some(1 << 19), ..HiddenOptions::default() }
 }
 
 /// Names of the nodes that have a mesh.

@@ -1,5 +1,6 @@
 //! What a bake adds beside its tables: meshes that the extension alone reaches.
 
+use super::NodeLevels;
 use crate::gltf::document::Document;
 use crate::gltf::json;
 use serde_json::Value;
@@ -16,6 +17,10 @@ pub struct Additions {
     pub materials: Vec<Value>,
     /// glTF meshes.
     pub meshes: Vec<Value>,
+    /// glTF nodes, from [`Additions::first_node`] on: named by `levels` only, each of them, and showing `meshes`.
+    pub nodes: Vec<Value>,
+    /// Nodes of the document that get `MSFT_lod`.
+    pub levels: Vec<NodeLevels>,
     /// Names for `extensionsUsed`, where they are not there yet; `true`: for `extensionsRequired` too.
     pub extensions: Vec<(&'static str, bool)>,
 }
@@ -38,6 +43,7 @@ impl Additions {
             && self.accessors.is_empty()
             && self.materials.is_empty()
             && self.meshes.is_empty()
+            && self.nodes.is_empty()
     }
 
     /// Bytes of all views.
@@ -53,6 +59,11 @@ impl Additions {
     /// Index of the first appended mesh.
     pub fn first_mesh(document: &Document) -> usize {
         json::array(&document.json, "meshes").len()
+    }
+
+    /// Index of the first appended node.
+    pub fn first_node(document: &Document) -> usize {
+        json::array(&document.json, "nodes").len()
     }
 }
 
@@ -77,7 +88,9 @@ mod tests {
             accessors: vec![accessor],
             materials: vec![json!({"doubleSided": true})],
             meshes: vec![json!({"primitives": [{"attributes": {"POSITION": 1}, "material": 1}]})],
-            extensions: vec![("KHR_mesh_quantization", true)],
+            nodes: vec![json!({"mesh": 1})],
+            levels: vec![NodeLevels { node: 0, ids: vec![1], coverage: vec![0.1, 0.0] }],
+            extensions: vec![("KHR_mesh_quantization", true), ("MSFT_lod", false)],
         };
         (Document::from_parts(json, Some(vec![7; 38])).unwrap(), additions)
     }
@@ -98,6 +111,7 @@ mod tests {
         assert_eq!(document.json["bufferViews"][2]["byteOffset"], 76);
         assert_eq!(document.json["accessors"][1]["bufferView"], 1);
         assert_eq!(document.json["extensionsRequired"], json!(["KHR_mesh_quantization"]));
+        assert_eq!(document.json["nodes"][0]["extensions"]["MSFT_lod"]["ids"], json!([1]));
         assert!(strip(&mut document));
         assert_eq!(document.json, before.json);
         assert_eq!(document.buffers, before.buffers);
@@ -107,16 +121,17 @@ mod tests {
     fn what_others_use_stays() {
         for (pointer, value) in [
             ("/nodes/0/mesh", json!(1)),
+            ("/nodes/1/mesh", json!(0)),
             ("/meshes/0/primitives/0/attributes/POSITION", json!(1)),
             ("/accessors/0/bufferView", json!(1)),
         ] {
             let (_, mut document) = attached();
             *document.json.pointer_mut(pointer).unwrap() = value;
-            let kept = [document.json["meshes"].clone(), document.json["accessors"].clone()];
+            let kept = ["meshes", "accessors", "nodes"].map(|key| document.json[key].clone());
             assert!(strip(&mut document));
             assert_eq!(
-                [&document.json["meshes"], &document.json["accessors"]],
-                [&kept[0], &kept[1]],
+                [&document.json["meshes"], &document.json["accessors"], &document.json["nodes"]],
+                [&kept[0], &kept[1], &kept[2]],
                 "{pointer}"
             );
             assert_eq!(document.json["extensionsRequired"], json!(["KHR_mesh_quantization"]));

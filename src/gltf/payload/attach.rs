@@ -1,6 +1,6 @@
 //! Adding the payload.
 
-use super::{Additions, CONTAINERS, EXTENSION, Table};
+use super::{Additions, CONTAINERS, EXTENSION, Table, lod};
 use crate::gltf::buffers::BufferStorage;
 use crate::gltf::document::{Container, Document};
 use crate::gltf::error::AttachError;
@@ -93,7 +93,7 @@ pub fn attach_with(
     Ok((first..first + tables.len()).collect())
 }
 
-/// Appends accessors, materials, meshes and names of extensions.
+/// Appends accessors, materials, meshes, nodes and names of extensions.
 fn add_objects(
     document: &mut Document,
     additions: Additions,
@@ -111,6 +111,7 @@ fn add_objects(
             push(&mut document.json, key, item);
         }
     }
+    lod::add(&mut document.json, additions.nodes, additions.levels, before);
     for (list, record, only_required) in
         [("extensionsUsed", "used", false), ("extensionsRequired", "required", true)]
     {

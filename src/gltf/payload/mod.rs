@@ -1,7 +1,7 @@
 //! The payload: what this tool adds to a file, put in by [`attach`] and taken out, exactly, by [`strip`].
 //!
 //! Attaching appends one buffer view with all tables, one accessor per table, the root extension and its name in
-//! `extensionsUsed`; and, for a bake with proxies, their buffer views, accessors, materials and meshes ([`Additions`]), before
+//! `extensionsUsed`; and, for a bake with proxies, their buffer views, accessors, materials, meshes and nodes ([`Additions`]), before
 //! the tables. Everything is appended, so nothing of the file is renumbered.
 //!
 //! The tables' bytes go
@@ -16,14 +16,17 @@
 //! - `declared`: the extension was named in `extensionsUsed` although absent,
 //! - `byteLength`: the buffer's `byteLength` as it stood, if it was no multiple of 4 (the payload is aligned) or not
 //!   written as a plain integer,
-//! - `used`, `required`: names that proxies added to `extensionsUsed` and `extensionsRequired`.
+//! - `used`, `required`: names that proxies added to `extensionsUsed` and `extensionsRequired`,
+//! - `nodes`, `extras`: see [`NodeLevels`], `MSFT_lod` on nodes.
 
 mod additions;
 mod attach;
+pub(crate) mod lod;
 mod strip;
 
 pub use additions::{Additions, View};
 pub use attach::{attach, attach_with};
+pub use lod::NodeLevels;
 pub use strip::strip;
 
 /// Name of the extension.

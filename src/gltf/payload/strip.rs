@@ -1,5 +1,6 @@
 //! Taking the payload out again.
 
+use super::lod::OwnNodes;
 use super::{CONTAINERS, EXTENSION};
 use crate::gltf::document::Document;
 use crate::gltf::json;
@@ -77,14 +78,14 @@ fn table_accessors(extension: &Value) -> BTreeSet<usize> {
         .collect()
 }
 
-/// Removes meshes, materials, accessors, buffer views and bytes if they are still the last ones and nobody else uses them;
+/// Removes nodes, meshes, materials, accessors, buffer views and bytes if they are still the last ones and nobody else uses them;
 /// returns the containers they were in.
 fn remove_payload(
     document: &mut Document,
     extension: &Value,
     before: &Map<String, Value>,
 ) -> Option<Vec<&'static str>> {
-    let own = Own::find(document, extension)?;
+    let own = Own::find(document, extension, before)?;
     let region = own.region(document, before)?;
     let last_buffer = region.buffer + 1 == document.buffers.len();
     let objects = json::array(&document.json, "buffers");
@@ -97,6 +98,7 @@ fn remove_payload(
     let mut touched = vec!["buffers", "bufferViews", "accessors"];
     truncate(&mut document.json, "accessors", own.accessors);
     truncate(&mut document.json, "bufferViews", own.views);
+    own.nodes.remove(&mut document.json, before);
     for (key, length) in [("meshes", own.meshes), ("materials", own.materials)] {
         if length < json::array(&document.json, key).len() {
             truncate(&mut document.json, key, length);
@@ -124,6 +126,7 @@ struct Own {
     views: usize,
     meshes: usize,
     materials: usize,
+    nodes: OwnNodes,
 }
 
 /// The bytes of the payload.
@@ -135,7 +138,7 @@ struct Region {
 
 impl Own {
     /// `None` if there is nothing, or if anything of it is not last, or used by others.
-    fn find(document: &Document, extension: &Value) -> Option<Self> {
+    fn find(document: &Document, extension: &Value, before: &Map<String, Value>) -> Option<Self> {
         let root = &document.json;
         let all_meshes = json::array(root, "meshes");
         let meshes = trailing(&meshes_of(document, extension)?, all_meshes.len())?;
@@ -144,7 +147,8 @@ impl Own {
                 .and_then(json::index)
                 .is_some_and(|mesh| (meshes..all_meshes.len()).contains(&mesh))
         };
-        if json::array(root, "nodes").iter().any(names_mesh) {
+        let nodes = OwnNodes::find(root, before, meshes..all_meshes.len())?;
+        if json::array(root, "nodes")[..nodes.first].iter().any(names_mesh) {
             return None;
         }
         let mut accessors = table_accessors(extension);
@@ -173,7 +177,7 @@ impl Own {
             return None;
         }
         let materials = first_own_material(root, meshes);
-        Some(Self { accessors: first_accessor, views: first_view, meshes, materials })
+        Some(Self { accessors: first_accessor, views: first_view, meshes, materials, nodes })
     }
 
     fn region(&self, document: &Document, before: &Map<String, Value>) -> Option<Region> {

@@ -107,10 +107,18 @@ fn mesh_levels() {
         s.extension()["meshLevels"].as_array_mut().unwrap().push(again);
     });
     sample.expect(Severity::Error, "MESH_LEVELS_INVALID", &format!("{ROOT}/meshLevels/1/mesh"));
-    let sample = broken(|s| {
-        let nodes = s.json["nodes"].as_array_mut().unwrap();
-        nodes.push(json!({"mesh": 1}));
-    });
+    let with_node = |shown: bool| {
+        broken(|s| {
+            let nodes = s.json["nodes"].as_array_mut().unwrap();
+            let node = nodes.len();
+            nodes.push(json!({"mesh": 1}));
+            if shown {
+                s.json["scenes"][0]["nodes"].as_array_mut().unwrap().push(node.into());
+            }
+        })
+    };
+    assert!(with_node(false).codes().is_empty(), "MSFT_lod names such nodes");
+    let sample = with_node(true);
     let codes = sample.codes();
     assert!(codes.contains(&"MESH_LEVEL_USED") && codes.contains(&"PROXY_MESH_USED"), "{codes:?}");
 }
