@@ -32,7 +32,8 @@ fn fifty_thousand_objects_in_one_place_bake_in_seconds() {
         let (_, report) = bake(&mut doc, &options(RAYS));
         let seconds = start.elapsed().as_secs_f64();
         println!("{COUNT} objects of {} triangles: {seconds:.1} s, {:?}", 12 * boxes, report.stages);
-        assert!(seconds < 20.0, "{seconds}");
+        // 5 to 13 s on two cores, 26 s with eight other programs beside it; quadratic time would be minutes.
+        assert!(seconds < 90.0, "{seconds}");
     }
 }
 
