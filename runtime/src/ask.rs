@@ -2,7 +2,7 @@
 
 use crate::estimate::is_around;
 use crate::frustum::Frustum;
-use crate::hits::{Hit, Hits};
+use crate::hits::{Hit, Hits, Small};
 use crate::query::Query;
 use crate::traverse::{CullStatistics, Pass};
 use crate::tree::{Node, ObjectRow};
@@ -28,6 +28,15 @@ impl Thresholds {
         let any = |stage: Option<f64>| stage.map(|_| 0.0);
         Self { nearest: 0.0, triangle: any(self.triangle), ring: any(self.ring), sizes: false, ..*self }
     }
+}
+
+/// What a usable sphere says of an object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Answer {
+    NotSeen,
+    /// Seen, but of fewer pixels than the smallest that are always drawn: of so many.
+    Small(f64),
+    Seen,
 }
 
 /// The bins a sphere query asks, the same for all objects below a node.
@@ -140,12 +149,9 @@ impl Pass<'_> {
             let in_bin = reaches && sees(bin);
             let near = || neighbours.iter().any(|&bin| sees(usize::from(bin)));
             let seen = if thresholds.sizes {
-                reaches
-                    && (in_bin || near())
-                    && self.draws::<T>(place, height, None, thresholds, &mut out.too_small)
+                reaches && (in_bin || near()) && self.draws(place, height, None, thresholds, length, out)
             } else {
-                let mut closer =
-                    || ring || self.draws::<T>(place, height, None, thresholds, &mut out.too_small);
+                let mut closer = || ring || self.draws(place, height, None, thresholds, length, out);
                 in_bin || reaches && near() && closer()
             };
             out.list[length] = T::new(place, height);
@@ -170,13 +176,15 @@ impl Pass<'_> {
             if u32::from(object.max_level) < height {
                 return;
             }
-            if self.draws::<T>(place, height, bins, thresholds, &mut out.too_small) {
+            let at = out.list.len();
+            if self.draws(place, height, bins, thresholds, at, out) {
                 out.list.push(T::new(place, height));
             }
         });
     }
 
-    /// Asks for one object, which some bin sees at this height.
+    /// Asks for one object, which some bin sees at this height and which would be hit number `at`: whether it is one, be it a
+    /// small one.
     #[inline]
     fn draws<T: Hit>(
         &self,
@@ -184,29 +192,37 @@ impl Pass<'_> {
         height: u32,
         bins: Option<&SphereBins>,
         thresholds: &Thresholds,
-        too_small: &mut f64,
+        at: usize,
+        out: &mut Hits<T>,
     ) -> bool {
         let object = &self.tree.objects[place as usize];
         let bounds = &self.boxes.objects[place as usize];
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         let to_eye = self.camera.eye() - (min + max) * 0.5;
         let distance_squared = to_eye.length_squared();
-        if is_around(bounds, distance_squared)
-            || self.passes(object, height, to_eye, distance_squared, bins, thresholds)
-        {
+        if is_around(bounds, distance_squared) {
             return true;
         }
-        if T::MEASURED && thresholds.sizes {
-            let any_size = thresholds.without_sizes();
-            if self.passes(object, height, to_eye, distance_squared, bins, &any_size) {
-                *too_small += self.tree.area(object, height) * thresholds.pixels_squared / distance_squared;
+        match self.answer(object, height, to_eye, distance_squared, bins, thresholds) {
+            Answer::Seen => true,
+            Answer::Small(pixels) => {
+                out.small.push(Small { at: at as u32, pixels: pixels as f32 });
+                true
             }
+            Answer::NotSeen if T::MEASURED && thresholds.sizes => {
+                let any_size = thresholds.without_sizes();
+                if self.answer(object, height, to_eye, distance_squared, bins, &any_size) == Answer::Seen {
+                    out.too_small +=
+                        self.tree.area(object, height) * thresholds.pixels_squared / distance_squared;
+                }
+                false
+            }
+            Answer::NotSeen => false,
         }
-        false
     }
 
     #[inline]
-    pub(crate) fn passes(
+    pub(crate) fn answer(
         &self,
         object: &ObjectRow,
         height: u32,
@@ -214,37 +230,44 @@ impl Pass<'_> {
         distance_squared: f64,
         bins: Option<&SphereBins>,
         thresholds: &Thresholds,
-    ) -> bool {
+    ) -> Answer {
         let pixels = if thresholds.sizes {
             self.tree.area(object, height) * thresholds.pixels_squared / distance_squared
         } else {
             f64::INFINITY
         };
-        if pixels < thresholds.nearest {
-            return false;
-        }
+        let by_size = |pixels: f64| {
+            if pixels < thresholds.nearest { Answer::Small(pixels) } else { Answer::Seen }
+        };
         // A row's levels fit a byte, and heights beyond the highest level were sorted out.
         let sees = |bin: usize| u32::from(self.tree.row_level(object, bin)) >= height;
         match bins {
-            Some(SphereBins::Any(bins)) => bins.iter().any(|&bin| sees(bin)),
-            Some(SphereBins::All) => true,
+            Some(SphereBins::Any(bins)) if bins.iter().any(|&bin| sees(bin)) => by_size(pixels),
+            Some(SphereBins::All) => by_size(pixels),
             Some(SphereBins::Weighted(bins)) => {
                 let weight: f64 = bins.iter().filter(|(bin, _)| sees(*bin)).map(|(_, w)| w).sum();
-                weight > 0.0 && pixels * weight >= thresholds.nearest
+                if weight > 0.0 { by_size(pixels * weight) } else { Answer::NotSeen }
             }
+            Some(SphereBins::Any(_)) => Answer::NotSeen,
             None => {
                 let directions = self.tree.directions;
                 let nearest = directions.nearest_f64(to_eye);
                 let large = |stage: Option<f64>| stage.is_some_and(|least| pixels >= least);
                 let any = |bins: &[u16]| bins.iter().any(|&bin| sees(usize::from(bin)));
-                sees(nearest)
-                    || large(thresholds.triangle) && any(&directions.weights_f64(to_eye).0)
+                if sees(nearest) {
+                    by_size(pixels)
+                } else if large(thresholds.triangle) && any(&directions.weights_f64(to_eye).0)
                     || large(thresholds.ring) && any(directions.ring(nearest))
+                {
+                    Answer::Seen
+                } else {
+                    Answer::NotSeen
+                }
             }
         }
     }
 
-    /// Bins that can make [`Self::passes`] draw an object, for explaining; for [`SphereBins::All`] all of them.
+    /// Bins that can make [`Self::answer`] draw an object, for explaining; for [`SphereBins::All`] all of them.
     pub(crate) fn bins_asked(&self, to_eye: DVec3, bins: Option<&SphereBins>) -> Vec<usize> {
         let directions = self.tree.directions;
         match bins {

@@ -6,6 +6,7 @@ use crate::camera::Camera;
 use crate::hits::{Hit, Hits};
 use crate::proxies::Proxies;
 use crate::query::Settings;
+use crate::small::Smallest;
 use crate::traverse::{CullStatistics, Hidden, Pass};
 use crate::tree::Tree;
 use std::sync::Arc;
@@ -16,6 +17,7 @@ use std::sync::Arc;
 pub struct Culler {
     instance: Instance,
     visible: Hits<u32>,
+    smallest: Smallest,
     statistics: CullStatistics,
 }
 
@@ -45,14 +47,21 @@ impl Culler {
     /// [`BoundsError`] if there is not one valid box per object.
     pub fn new(tree: &Arc<Tree>, bounds: &[Bounds]) -> Result<Self, BoundsError> {
         let instance = Instance::new(tree, shared_boxes(tree, bounds, 0)?);
-        let visible = Hits { list: Vec::with_capacity(tree.object_count()), too_small: 0.0 };
-        Ok(Self { instance, visible, statistics: CullStatistics::default() })
+        let objects = tree.object_count();
+        let visible =
+            Hits { list: Vec::with_capacity(objects), small: Vec::with_capacity(objects), too_small: 0.0 };
+        let smallest = Smallest::with_capacity(objects);
+        Ok(Self { instance, visible, smallest, statistics: CullStatistics::default() })
     }
 
     /// Objects to draw for a camera in tree space (see [`Camera::to_local`]), as places in tree order, ascending.
     pub fn cull(&mut self, camera: &Camera, settings: &Settings) -> &[u32] {
         self.visible.list.clear();
+        self.visible.small.clear();
         self.statistics = self.instance.cull(camera, settings, &mut self.visible);
+        std::mem::swap(&mut self.smallest.list, &mut self.visible.small);
+        self.smallest.leave_out(&mut self.visible.list, settings.small_pixels(camera));
+        self.statistics.drawn = self.visible.list.len();
         &self.visible.list
     }
 

@@ -1,12 +1,13 @@
 //! Why an object is drawn or not, and which spheres answer.
 
-use crate::ask::Thresholds;
+use crate::ask::{Answer, Thresholds};
 use crate::camera::Camera;
 use crate::cull::Instance;
 use crate::estimate::{is_around, visible_pixels};
 use crate::hits::{Hits, Measured};
 use crate::query::Settings;
 use crate::scene::{Draw, LOOSE, Placed, SceneCuller, walk};
+use crate::small::Smallest;
 use glam::DVec3;
 
 /// Why culling draws an object or not, before any budget. Whether a budget then left it out shows in what
@@ -36,7 +37,8 @@ pub enum Reason {
         /// Ancestors, from its parent on, that see it in the bins asked. Less than `height`.
         level: u32,
     },
-    /// The sphere that answers sees it, but its estimated visible pixels are below the least size to draw.
+    /// The sphere that answers sees it, but its estimated visible pixels are below the least size to draw: that of the settings,
+    /// or the one below which small objects may be left out (see [`Settings::small_share`]).
     TooSmall {
         /// Estimated visible pixels.
         pixels: f64,
@@ -86,7 +88,8 @@ pub struct SphereInUse {
 }
 
 impl SceneCuller {
-    /// Why [`Self::cull`] draws an object or not for this camera. Linear in the siblings on its way down the tree.
+    /// Why [`Self::cull`] draws an object or not for this camera. Linear in the siblings on its way down the tree; for a small
+    /// object, whose lot depends on all others, as slow as [`Self::cull`], and it allocates.
     pub fn explain(&self, object: Draw, camera: &Camera, settings: &Settings) -> Reason {
         if object.tree == LOOSE {
             return match self.loose.place(object.object).filter(|_| object.anchor == 0) {
@@ -111,13 +114,31 @@ impl SceneCuller {
         while let Some((host, place)) = entry.host {
             entry = &self.placed[host];
             let drawn = entry.shown
-                && entry.instance.explain(place, &camera.to_local(&entry.to_world), settings).is_drawn();
+                && entry
+                    .instance
+                    .explain(place, &camera.to_local(&entry.to_world), settings, || 0.0)
+                    .is_drawn();
             if !drawn {
                 let host = Draw { tree: entry.tree, anchor: entry.anchor, object: place };
                 return Reason::HostNotDrawn { host };
             }
         }
-        placed.instance.explain(object.object, &camera.to_local(&placed.to_world), settings)
+        let below = || self.left_out_below(camera, settings);
+        placed.instance.explain(object.object, &camera.to_local(&placed.to_world), settings, below)
+    }
+
+    /// Small objects of fewer pixels are left out.
+    fn left_out_below(&self, camera: &Camera, settings: &Settings) -> f32 {
+        let (mut pending, mut hits) = (Vec::new(), Hits::<u32>::default());
+        let (mut drawn, mut smallest) = (Vec::new(), Smallest::default());
+        let draw = |_: &Placed, _: &Camera, place, small: Option<f32>| {
+            if let Some(pixels) = small {
+                smallest.push(drawn.len(), pixels);
+            }
+            drawn.push(place);
+        };
+        walk(&self.placed, &mut pending, &mut hits, camera, settings, |_, _| (), draw);
+        smallest.leave_out(&mut drawn, settings.small_pixels(camera)).below
     }
 
     /// The spheres that answer for this camera, appended to `out`. For showing them: it allocates.
@@ -139,13 +160,13 @@ impl SceneCuller {
                 });
             }
         };
-        walk(&self.placed, &mut pending, &mut hits, camera, settings, enter, |_, _, _| ());
+        walk(&self.placed, &mut pending, &mut hits, camera, settings, enter, |_, _, _, _| ());
     }
 }
 
 impl Instance {
-    /// Why the object, which exists, is drawn or not.
-    fn explain(&self, place: u32, camera: &Camera, settings: &Settings) -> Reason {
+    /// Why the object, which exists, is drawn or not. `below` is asked for the size below which small ones are left out.
+    fn explain(&self, place: u32, camera: &Camera, settings: &Settings, below: impl Fn() -> f32) -> Reason {
         let bounds = &self.boxes.objects[place as usize];
         if self.is_hidden(place) {
             return Reason::UserHidden;
@@ -161,7 +182,7 @@ impl Instance {
             if !node.objects().contains(&place) {
                 index += node.subtree as usize;
             } else if pass.is_usable(index, node, max_sine) {
-                return self.explain_below(index, place, camera, settings);
+                return self.explain_below(index, place, camera, settings, below);
             } else {
                 (spheres, disturbed) = (spheres + 1, disturbed || self.is_disturbed(index));
                 index += 1;
@@ -171,7 +192,14 @@ impl Instance {
     }
 
     /// Why a usable node sees the object, which is in the frustum, or not.
-    fn explain_below(&self, index: usize, place: u32, camera: &Camera, settings: &Settings) -> Reason {
+    fn explain_below(
+        &self,
+        index: usize,
+        place: u32,
+        camera: &Camera,
+        settings: &Settings,
+        below: impl Fn() -> f32,
+    ) -> Reason {
         let tree = &self.tree;
         let (node, object) = (&tree.nodes()[index], &tree.objects[place as usize]);
         let bounds = &self.boxes.objects[place as usize];
@@ -189,15 +217,17 @@ impl Instance {
         let distance_squared = to_eye.length_squared();
         let pixels = f64::from(visible_pixels(self, camera, Measured { place, height }).expected);
         let drawn = Reason::Sphere { node: node_index, height, level, pixels };
-        let passes = |thresholds: &Thresholds| {
-            pass.passes(object, height, to_eye, distance_squared, bins.as_ref(), thresholds)
+        let answer = |thresholds: &Thresholds| {
+            pass.answer(object, height, to_eye, distance_squared, bins.as_ref(), thresholds)
         };
-        if is_around(bounds, distance_squared) || passes(&thresholds) {
-            drawn
-        } else if passes(&thresholds.without_sizes()) {
-            Reason::TooSmall { pixels, node: node_index }
-        } else {
-            Reason::NotVisible { node: node_index, height, level }
+        let too_small = Reason::TooSmall { pixels, node: node_index };
+        match answer(&thresholds) {
+            _ if is_around(bounds, distance_squared) => drawn,
+            Answer::Seen => drawn,
+            Answer::Small(size) if (size as f32) < below() => too_small,
+            Answer::Small(_) => drawn,
+            Answer::NotSeen if answer(&thresholds.without_sizes()) == Answer::Seen => too_small,
+            Answer::NotSeen => Reason::NotVisible { node: node_index, height, level },
         }
     }
 

@@ -41,10 +41,21 @@ impl Hit for Measured {
     }
 }
 
+/// A hit that is small enough to be left out, see [`crate::Settings::small_share`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Small {
+    /// Which of the hits, from 0.
+    pub(crate) at: u32,
+    /// Its estimated visible pixels.
+    pub(crate) pixels: f32,
+}
+
 /// What passes report.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Hits<T> {
     pub(crate) list: Vec<T>,
+    /// The small ones among them, ascending.
+    pub(crate) small: Vec<Small>,
     /// Estimated visible pixels of what was dropped only for its size, if that is measured.
     pub(crate) too_small: f64,
 }

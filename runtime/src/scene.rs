@@ -8,6 +8,7 @@ use crate::detail::DetailState;
 use crate::hits::{Hit, Hits};
 use crate::loose::Loose;
 use crate::query::Settings;
+use crate::small::Smallest;
 use crate::traverse::CullStatistics;
 use crate::within::Within;
 use glam::DAffine3;
@@ -35,6 +36,7 @@ pub struct SceneCuller {
     pub(crate) loose: Loose,
     pub(crate) draws: Vec<Draw>,
     places: Hits<u32>,
+    smallest: Smallest,
     pub(crate) pending: Vec<usize>,
     pub(crate) statistics: CullStatistics,
     pub(crate) within: Within,
@@ -124,6 +126,7 @@ impl SceneCuller {
             loose: Loose::default(),
             draws: Vec::new(),
             places: Hits::default(),
+            smallest: Smallest::default(),
             pending,
             statistics: CullStatistics::default(),
             within,
@@ -171,12 +174,16 @@ impl SceneCuller {
         self.draws.clear();
         self.within.forget();
         self.detail.forget();
-        let draws = &mut self.draws;
-        let draw = |placed: &Placed, _: &Camera, object| {
+        let (draws, smallest) = (&mut self.draws, &mut self.smallest);
+        let draw = |placed: &Placed, _: &Camera, object, small: Option<f32>| {
+            if let Some(pixels) = small {
+                smallest.push(draws.len(), pixels);
+            }
             draws.push(Draw { tree: placed.tree, anchor: placed.anchor, object });
         };
         let (pending, places) = (&mut self.pending, &mut self.places);
         self.statistics = walk(&self.placed, pending, places, camera, settings, |_, _| (), draw);
+        self.smallest.leave_out(&mut self.draws, settings.small_pixels(camera));
         let (draws, loose) = (&mut self.draws, &self.loose);
         self.statistics.objects_tested += loose.cull(camera, settings.frustum, |place| {
             draws.push(Draw { tree: LOOSE, anchor: 0, object: loose.object(place) });
@@ -205,7 +212,7 @@ pub(crate) fn push_roots(placed: &[Placed], pending: &mut Vec<usize>) {
 }
 
 /// Culls all entries that are shown and whose host is drawn; `enter` gets each of them, `draw` what is drawn of it, with the
-/// camera in its tree's space.
+/// camera in its tree's space and its pixels if it is small. An object that stands for another tree is never too small.
 pub(crate) fn walk<T: Hit>(
     placed: &[Placed],
     pending: &mut Vec<usize>,
@@ -213,7 +220,7 @@ pub(crate) fn walk<T: Hit>(
     camera: &Camera,
     settings: &Settings,
     mut enter: impl FnMut(&Placed, &Camera),
-    mut draw: impl FnMut(&Placed, &Camera, T),
+    mut draw: impl FnMut(&Placed, &Camera, T, Option<f32>),
 ) -> CullStatistics {
     let mut statistics = CullStatistics::default();
     hits.too_small = 0.0;
@@ -224,15 +231,18 @@ pub(crate) fn walk<T: Hit>(
             continue;
         }
         hits.list.clear();
+        hits.small.clear();
         let local = camera.to_local(&entry.to_world);
         enter(entry, &local);
         statistics += entry.instance.cull(&local, settings, hits);
         let mut guests = entry.guests.iter().peekable();
-        for &hit in &hits.list {
+        let mut small = hits.small.iter().peekable();
+        for (at, &hit) in hits.list.iter().enumerate() {
+            let pixels = small.next_if(|small| small.at as usize == at).map(|small| small.pixels);
             while guests.next_if(|guest| guest.0 < hit.place()).is_some() {}
             match guests.next_if(|guest| guest.0 == hit.place()) {
                 Some(&(_, guest)) => pending.push(guest),
-                None => draw(entry, &local, hit),
+                None => draw(entry, &local, hit, pixels),
             }
         }
     }

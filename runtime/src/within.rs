@@ -9,6 +9,7 @@ use crate::loose::Loose;
 use crate::query::Settings;
 use crate::scene::{Draw, LOOSE, Placed, SceneCuller, walk};
 use crate::select::Selector;
+use crate::small::Smallest;
 use glam::DVec3;
 use std::cell::Cell;
 
@@ -18,6 +19,7 @@ pub(crate) struct Within {
     /// Per tree, per object; empty where they are not known.
     triangles: Vec<Vec<u32>>,
     pub(crate) hits: Hits<Measured>,
+    smallest: Smallest,
     pub(crate) candidates: Vec<Candidate>,
     pub(crate) selector: Selector,
     /// What was chosen in the last frame, ascending.
@@ -64,6 +66,7 @@ impl Within {
         Self {
             triangles: vec![Vec::new(); trees.len()],
             hits: Hits::default(),
+            smallest: Smallest::default(),
             candidates: Vec::new(),
             selector: Selector::default(),
             chosen: Vec::new(),
@@ -231,6 +234,7 @@ impl SceneCuller {
     ) {
         let mut candidates = std::mem::take(&mut self.within.candidates);
         let mut hits = std::mem::take(&mut self.within.hits);
+        let mut smallest = std::mem::take(&mut self.within.smallest);
         candidates.clear();
         let within = &self.within;
         let (eye, before) = (camera.eye(), within.eye);
@@ -244,7 +248,10 @@ impl SceneCuller {
             let middle = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) * 0.5;
             self::is_still(eye - middle, way)
         };
-        let draw = |placed: &Placed, local: &Camera, hit: Measured| {
+        let draw = |placed: &Placed, local: &Camera, hit: Measured, small: Option<f32>| {
+            if let Some(pixels) = small {
+                smallest.push(candidates.len(), pixels);
+            }
             candidates.push(Candidate {
                 draw: Draw { tree: placed.tree, anchor: placed.anchor, object: hit.place },
                 key: (placed.rank, hit.place),
@@ -255,6 +262,7 @@ impl SceneCuller {
         };
         let (placed, pending) = (&self.placed, &mut self.pending);
         self.statistics = walk(placed, pending, &mut hits, camera, settings, enter, draw);
+        hits.too_small += smallest.leave_out(&mut candidates, settings.small_pixels(camera)).pixels;
         let loose = &self.loose;
         self.statistics.objects_tested += loose.cull(camera, settings.frustum, |place| {
             candidates.push(Candidate {
@@ -265,7 +273,7 @@ impl SceneCuller {
                 triangles: loose.triangles(place),
             });
         });
-        (self.within.candidates, self.within.hits) = (candidates, hits);
+        (self.within.candidates, self.within.hits, self.within.smallest) = (candidates, hits, smallest);
         self.within.eye = eye;
     }
 }

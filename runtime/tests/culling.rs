@@ -90,6 +90,7 @@ fn settings() -> impl Strategy<Value = Settings> {
         |(query, nearest, triangle, ring, max_half_angle, frustum)| Settings {
             query,
             tau: Tau { nearest, triangle, ring },
+            small_share: f32::INFINITY,
             max_half_angle,
             frustum,
         },
@@ -144,6 +145,20 @@ proptest! {
         let places = 0..bounds.len() as u32;
         let expected: Vec<u32> = places.filter(|&k| camera.sees(&bounds[k as usize])).collect();
         prop_assert_eq!(culler.cull(&camera, &settings), expected);
+    }
+
+    /// However small the share of the image that small objects may cover, only small ones are affected, and they are left
+    /// out from the smallest on.
+    #[test]
+    fn a_share_keeps_small_objects(seed: u64, eye: u64, settings in settings(), share in 0.0_f32..0.01) {
+        let (mut culler, _) = culler(seed, false);
+        let camera = camera(eye);
+        let mut cull = |settings: &Settings| culler.cull(&camera, settings).to_vec();
+        let least = cull(&settings);
+        let some = cull(&Settings { small_share: share, ..settings });
+        let more = cull(&Settings { small_share: share * 0.5, ..settings });
+        let all = cull(&Settings { small_share: 0.0, ..settings });
+        prop_assert!(is_subset(&least, &some) && is_subset(&some, &more) && is_subset(&more, &all));
     }
 
     #[test]
