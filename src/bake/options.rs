@@ -116,10 +116,23 @@ impl BakeOptions {
             _ => u64::MAX,
         }
     }
+
+    /// Rays that a scene of so many objects gets whatever they cross: too few per object, and things seen through gaps
+    /// are missed. Not more than [`Self::ray_limit`].
+    pub fn least_rays(&self, objects: u64) -> u64 {
+        let limit = self.ray_limit();
+        objects.saturating_mul(limit / FULL_RAYS_OBJECTS).min(limit)
+    }
 }
 
 /// See [`BakeOptions::crossing_limit`].
 const CROSSINGS_PER_RAY: f64 = 4.0;
+
+/// Objects from which on a preset casts all its rays: 512 each at standard quality.
+///
+/// With 160 each, `sample plant --scale 24` (104,585 objects) missed 2,823 pixels per million inside (SSIM 0.991 in the worst
+/// frame), with 640 it missed 477 (0.9986).
+const FULL_RAYS_OBJECTS: u64 = 1 << 17;
 
 /// Triangles from which on a ray costs noticeably more.
 const LARGE_SCENE: f64 = 1e6;

@@ -84,6 +84,7 @@ pub fn bake_tree(
         scene,
         directions,
         met: Met::new(subject.members.len()),
+        objects: subject.members.len() as u64,
         triangles: subject.members.iter().map(|m| u64::from(m.triangles)).sum(),
         rays: 0,
         crossings: 0,
@@ -166,7 +167,9 @@ struct Sampling<'a> {
     scene: RayScene<'a>,
     directions: &'a DirectionSet,
     met: Met,
-    /// Drawn by the tree's objects.
+    /// In the tree.
+    objects: u64,
+    /// Drawn by them.
     triangles: u64,
     rays: u64,
     crossings: u64,
@@ -192,12 +195,14 @@ impl Sampling<'_> {
     fn sample_until_enough(&mut self, target: &mut Target, options: &BakeOptions) -> Areas {
         let ray_limit = options.ray_limit();
         let crossing_limit = options.crossing_limit(self.triangles);
+        let least_rays = options.least_rays(self.objects);
         let mut areas = Areas::new(&target.ancestry, self.directions.len());
         loop {
             // What is left of the limits, going by the crossings per ray so far.
             let left = ray_limit.saturating_sub(self.rays);
             let crossings_left = crossing_limit.saturating_sub(self.crossings) as f64;
             let affordable = (crossings_left * self.rays as f64 / self.crossings.max(1) as f64) as u64;
+            let affordable = affordable.max(least_rays.saturating_sub(self.rays));
             let rays = self.rays.min(left).min(affordable).max(pilot_rays(options));
             let before = self.rays;
             let found = self.batch(std::slice::from_mut(target), Some(&mut areas), rays)[0];
@@ -205,7 +210,8 @@ impl Sampling<'_> {
                 self.missing_ppm = found.missing_ppm() * before as f64 / self.rays as f64;
             }
             let enough = self.missing_ppm * ESTIMATE_MARGIN <= options.target_ppm();
-            let spent = self.rays >= ray_limit || self.crossings >= crossing_limit || rays == affordable;
+            let crossed = self.crossings >= crossing_limit && self.rays >= least_rays;
+            let spent = self.rays >= ray_limit || crossed || rays == affordable;
             if enough || spent || found.seen == 0 {
                 return areas;
             }
