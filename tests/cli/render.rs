@@ -27,9 +27,26 @@ fn colours(picture: &image::RgbImage) -> usize {
 
 #[test]
 fn pictures_of_the_plant() {
+    pictures_of(&plant());
+}
+
+#[test]
+fn pictures_of_an_apartment_made_by_others() {
+    let scenes = std::env::var_os("SVS_SCENES")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes"), Into::into);
+    let folder = scenes.join("duplex-apartment");
+    let files = fs::read_dir(&folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    match files.filter(|file| file.extension().is_some_and(|e| e == "glb" || e == "gltf")).min() {
+        Some(scene) => pictures_of(&scene),
+        None => eprintln!("SKIPPED: there is no scene in {}", folder.display()),
+    }
+}
+
+/// From outside and inside: what each method leaves out is not missed, and it is much.
+fn pictures_of(scene: &Path) {
     let folder = folder();
     let baked = folder.path().join("baked.glb");
-    build(&plant(), &baked, &["-q"]).ok();
+    build(scene, &baked, &["-q"]).ok();
     let output = folder.path().join("out.png");
     for camera in ["outside", "inside"] {
         let of = |method: &str| {
