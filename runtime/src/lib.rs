@@ -26,6 +26,7 @@ mod query;
 mod scene;
 mod select;
 pub mod sharing;
+mod sorting;
 mod tables;
 mod traverse;
 mod tree;

@@ -1,4 +1,5 @@
 //! svs-runtime for JavaScript.
+use svs_runtime::format::{self, *};
 use svs_runtime::*;
 use wasm_bindgen::prelude::*;
 
@@ -17,8 +18,34 @@ pub struct S {
 #[wasm_bindgen]
 impl S {
     #[wasm_bindgen(constructor)]
-    pub fn new(json: &str, bytes: Vec<u8>) -> Result<S, JsError> {
-        let v = Visibility::decode_json(json, &A(vec![(bytes, 5121, 1, 2)]))?;
+    pub fn new(json: &str, bytes: Vec<u8>, n: &[u32]) -> Result<S, JsError> {
+        let o = |k: usize| n.get(k).copied();
+        let t = TreeJson {
+            scene: o(0),
+            anchors: n.to_vec(),
+            directions: json.to_owned(),
+            object_count: n[0],
+            level_bits: n[1] as u8,
+            importance_area: 0.4,
+            tables: Tables {
+                node_sphere: o(4),
+                node_subtree: o(3),
+                node_first_object: o(4),
+                node_object_count: o(5),
+                object_order: o(6),
+                level_row: o(7),
+                level_row_index: o(8),
+                importance: o(9),
+            },
+            proxies: Some(ProxiesJson {
+                visible: true,
+                tables: format::ProxyTables { sphere: n[2], ..format::ProxyTables::default() },
+            }),
+            nested: vec![NestedJson { object: n[3], tree: 5, anchor: 6 }],
+            recommended: None,
+            fingerprint: Some(FingerprintJson { triangles: 5, hash: json.to_owned() }),
+        };
+        let v = Visibility::from_parsed(json, vec![t], &[], &A(vec![(bytes, 5121, 1, 2)]))?;
         Ok(S { c: SceneCuller::new::<Vec<Bounds>>(&v, &[])?, m: CostModel::new() })
     }
     pub fn cull(&mut self, m: &[f64], q: f32, t: f64, b: f64) -> u32 {
