@@ -81,26 +81,17 @@ impl Scene {
             Limit::Milliseconds(most) => Budget::Milliseconds(most, &self.model),
         };
         self.ids.clear();
-        #[cfg(feature = "proxies")]
         for selected in self.culler.select(&camera, &self.settings, &self.detail, &budget) {
             self.ids.extend(self.extras.id(selected, &self.places));
         }
-        #[cfg(not(feature = "proxies"))]
-        for &draw in self.culler.cull_within(&camera, &self.settings, &budget) {
-            self.ids.extend(self.places.object_of(draw));
-        }
-        #[cfg(feature = "proxies")]
-        let (proxies, levels) =
-            (self.culler.detail_statistics().proxies, self.culler.detail_statistics().levels);
-        #[cfg(not(feature = "proxies"))]
-        let (proxies, levels) = (0, 0);
-        let (selection, culled) = (self.culler.selection(), self.culler.statistics());
+        let (detail, selection) = (self.culler.detail_statistics(), self.culler.selection());
+        let culled = self.culler.statistics();
         self.statistics = Statistics {
             candidates: selection.candidates,
             candidate_triangles: selection.candidate_triangles,
             drawn: self.ids.len(),
-            proxies,
-            levels,
+            proxies: detail.proxies,
+            levels: detail.levels,
             triangles: selection.chosen_triangles,
             dropped_pixels: selection.dropped_pixels,
             spheres_used: culled.spheres_used,

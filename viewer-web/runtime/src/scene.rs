@@ -41,9 +41,6 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] if the baked visibility is broken or of another state of the scene.
     pub fn new(description: &Description, bake: &Bake) -> Result<Self, SceneError> {
-        if !cfg!(feature = "proxies") {
-            return Self::with(description, bake, false);
-        }
         let (scene, error) = match Self::with(description, bake, true) {
             Err(error) if bake.has_proxies() => (Self::with(description, bake, false), Some(error)),
             other => (other, None),
@@ -57,8 +54,7 @@ impl Scene {
         let graph = Graph::new(description)?;
         let places = Places::new(bake.decode(proxies)?, description, &graph)?;
         let mut culler = places.culler(description, &graph)?;
-        let extras =
-            if proxies { Extras::new(description, &graph, &places, &mut culler)? } else { Extras::default() };
+        let extras = Extras::new(description, &graph, &places, &mut culler)?;
         let mut draws = vec![None; graph.objects.len()];
         for (draw, object) in places.draws() {
             // A file may name one object in two trees: the first one stands for it.
