@@ -7,7 +7,7 @@ use crate::estimate::{is_around, visible_pixels};
 use crate::hits::{Hits, Measured};
 use crate::query::Settings;
 use crate::scene::{Draw, LOOSE, Placed, SceneCuller, walk};
-use crate::small::Smallest;
+use crate::small::{LeftOut, Smallest};
 use glam::DVec3;
 
 /// Why culling draws an object or not, before any budget. Whether a budget then left it out shows in what
@@ -116,19 +116,19 @@ impl SceneCuller {
             let drawn = entry.shown
                 && entry
                     .instance
-                    .explain(place, &camera.to_local(&entry.to_world), settings, || 0.0)
+                    .explain(place, &camera.to_local(&entry.to_world), settings, |_| false)
                     .is_drawn();
             if !drawn {
                 let host = Draw { tree: entry.tree, anchor: entry.anchor, object: place };
                 return Reason::HostNotDrawn { host };
             }
         }
-        let below = || self.left_out_below(camera, settings);
-        placed.instance.explain(object.object, &camera.to_local(&placed.to_world), settings, below)
+        let left_out = |pixels| self.left_out(camera, settings).has(pixels);
+        placed.instance.explain(object.object, &camera.to_local(&placed.to_world), settings, left_out)
     }
 
-    /// Small objects of fewer pixels are left out.
-    fn left_out_below(&self, camera: &Camera, settings: &Settings) -> f32 {
+    /// Which small objects are left out.
+    fn left_out(&self, camera: &Camera, settings: &Settings) -> LeftOut {
         let (mut pending, mut hits) = (Vec::new(), Hits::<u32>::default());
         let (mut drawn, mut smallest) = (Vec::new(), Smallest::default());
         let draw = |_: &Placed, _: &Camera, place, small: Option<f32>| {
@@ -138,7 +138,7 @@ impl SceneCuller {
             drawn.push(place);
         };
         walk(&self.placed, &mut pending, &mut hits, camera, settings, |_, _| (), draw);
-        smallest.leave_out(&mut drawn, settings.small_pixels(camera)).below
+        smallest.leave_out(&mut drawn, settings.small_pixels(camera))
     }
 
     /// The spheres that answer for this camera, appended to `out`. For showing them: it allocates.
@@ -165,8 +165,15 @@ impl SceneCuller {
 }
 
 impl Instance {
-    /// Why the object, which exists, is drawn or not. `below` is asked for the size below which small ones are left out.
-    fn explain(&self, place: u32, camera: &Camera, settings: &Settings, below: impl Fn() -> f32) -> Reason {
+    /// Why the object, which exists, is drawn or not. `left_out` tells whether a small one
+    /// of so many pixels is left out.
+    fn explain(
+        &self,
+        place: u32,
+        camera: &Camera,
+        settings: &Settings,
+        left_out: impl Fn(f32) -> bool,
+    ) -> Reason {
         let bounds = &self.boxes.objects[place as usize];
         if self.is_hidden(place) {
             return Reason::UserHidden;
@@ -182,7 +189,7 @@ impl Instance {
             if !node.objects().contains(&place) {
                 index += node.subtree as usize;
             } else if pass.is_usable(index, node, max_sine) {
-                return self.explain_below(index, place, camera, settings, below);
+                return self.explain_below(index, place, camera, settings, left_out);
             } else {
                 (spheres, disturbed) = (spheres + 1, disturbed || self.is_disturbed(index));
                 index += 1;
@@ -198,7 +205,7 @@ impl Instance {
         place: u32,
         camera: &Camera,
         settings: &Settings,
-        below: impl Fn() -> f32,
+        left_out: impl Fn(f32) -> bool,
     ) -> Reason {
         let tree = &self.tree;
         let (node, object) = (&tree.nodes()[index], &tree.objects[place as usize]);
@@ -224,7 +231,7 @@ impl Instance {
         match answer(&thresholds) {
             _ if is_around(bounds, distance_squared) => drawn,
             Answer::Seen => drawn,
-            Answer::Small(size) if (size as f32) < below() => too_small,
+            Answer::Small(size) if left_out(size as f32) => too_small,
             Answer::Small(_) => drawn,
             Answer::NotSeen if answer(&thresholds.without_sizes()) == Answer::Seen => too_small,
             Answer::NotSeen => Reason::NotVisible { node: node_index, height, level },

@@ -14,7 +14,6 @@ mod method;
 mod metric;
 mod open;
 mod select;
-mod stretch;
 #[cfg(test)]
 mod tests;
 

@@ -1,14 +1,17 @@
-//! Developer commands: `cargo xtask test`, `cargo xtask bench`, `cargo xtask samples`.
+//! Developer commands: `cargo xtask test`, `cargo xtask wasm`, `cargo xtask bench`, `cargo xtask samples`.
 
 #![forbid(unsafe_code)]
 
 mod bench;
 mod khronos;
+mod npm;
 mod run;
 mod samples;
 mod system;
 mod table;
 mod test;
+mod wasm;
+mod web;
 
 use std::process::ExitCode;
 
@@ -18,8 +21,13 @@ Developer commands of svs
 Usage: cargo xtask <COMMAND>
 
 Commands:
-  test          formatting, lints and all tests, the Khronos validator among them; installs what is missing
+  test          formatting, lints and all tests, those of the web packages in a browser and the Khronos validator among
+                them; installs what is missing
   samples       write the sample asset of the specification anew
+  wasm          build the web modules into viewer-web and print their sizes; fails if one is too large
+      --only NAME                     only modules whose package name contains NAME
+      --std auto|debian               standard library: rustup's where it is or can be installed, else Debian's (auto),
+                                      or Debian's in any case
   bench scenes  bake, validate and verify the public scenes and print the table of the README
       --quality draft|standard|high   quality of the bake (default: standard)
       --cameras N                     cameras per group of views (default: as `svs verify`)
@@ -30,6 +38,11 @@ Commands:
       --only NAME[,NAME...]           only scenes whose name contains one of them
       --frames N                      frames of each path (default: 24; 6 in the large scenes)
       --passes N                      times each frame is timed (default: 3; 2 in the large scenes)
+      --scenes FOLDER                 where the public scenes are (default: ../shared/scenes)
+  bench web     three.js alone against three.js with the plugin in a browser on WebGL 2, and culling in WebAssembly against
+                native
+      --only NAME[,NAME...]           only scenes whose name contains one of them
+      --frames N                      frames of each path (default: 12)
       --scenes FOLDER                 where the public scenes are (default: ../shared/scenes)
   bench proxies what proxies and the visibility-driven metric save, and what a picture is worth within a budget;
                 reports are left in target/bench/proxies
@@ -45,11 +58,15 @@ fn main() -> ExitCode {
     let result = match words.as_slice() {
         ["test"] => test::test(),
         ["samples"] => samples::samples(),
+        ["wasm", rest @ ..] => wasm::Options::parse(rest).and_then(|options| wasm::wasm(&options)),
         ["bench", "scenes", rest @ ..] => {
             bench::scenes::Options::parse(rest).and_then(|options| bench::scenes::scenes(&options))
         }
         ["bench", "frames", rest @ ..] => {
             bench::frames::Options::parse(rest).and_then(|options| bench::frames::frames(&options))
+        }
+        ["bench", "web", rest @ ..] => {
+            bench::web::Options::parse(rest).and_then(|options| bench::web::web(&options))
         }
         ["bench", "proxies", rest @ ..] => {
             bench::proxies::Options::parse(rest).and_then(|options| bench::proxies::proxies(&options))
