@@ -3,7 +3,7 @@
 use super::buffers::{self, BufferStorage};
 use super::error::{AccessorError, ReadError, UriError};
 use super::glb::{self, Chunk};
-use super::write::JsonStyle;
+use super::style::JsonStyle;
 use super::{json, uri};
 use serde_json::Value;
 use std::borrow::Cow;

@@ -10,6 +10,7 @@ pub(crate) mod json;
 pub(crate) mod materials;
 mod meshes;
 mod nodes;
+pub(crate) mod outline;
 pub(crate) mod notes;
 pub(crate) mod places;
 pub(crate) mod primitives;

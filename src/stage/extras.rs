@@ -84,22 +84,20 @@ fn mesh_of(doc: &Document, node: usize) -> Option<u32> {
 }
 
 impl Extras {
-    /// Appends the objects to `data`, whose meshes end with those of `meshes`, and tells the culler what they cost.
+    /// Appends the objects to `data`, whose meshes end with those of `meshes` (which have so many triangles), and tells the
+    /// culler what they cost.
     pub(super) fn add(
         doc: &Document,
         scene: &Scene,
         baked: &Baked,
-        meshes: &[u32],
+        (meshes, triangles): (&[u32], &[u32]),
         data: &mut SceneData,
         culler: &mut SceneCuller,
     ) -> Result<Self, ExtraError> {
         let first = data.meshes.len() - meshes.len();
         let places: HashMap<u32, u32> =
             meshes.iter().enumerate().map(|(at, &mesh)| (mesh, (first + at) as u32)).collect();
-        let triangles = |mesh: u32| -> u32 {
-            let drawn = &data.meshes[places[&mesh] as usize];
-            drawn.primitives.iter().map(|primitive| primitive.indices.len() / 3).sum::<usize>() as u32
-        };
+        let triangles = |mesh: u32| triangles[places[&mesh] as usize - first];
         if let Some(&mesh) = meshes.iter().find(|&&mesh| triangles(mesh) == 0) {
             return Err(ExtraError::Empty { mesh });
         }
