@@ -1,14 +1,16 @@
-//! Developer commands: `cargo xtask test`, `cargo xtask bench`, `cargo xtask samples`.
+//! Developer commands: `cargo xtask test`, `cargo xtask wasm`, `cargo xtask bench`, `cargo xtask samples`.
 
 #![forbid(unsafe_code)]
 
 mod bench;
 mod khronos;
+mod npm;
 mod run;
 mod samples;
 mod system;
 mod table;
 mod test;
+mod wasm;
 
 use std::process::ExitCode;
 
@@ -20,6 +22,10 @@ Usage: cargo xtask <COMMAND>
 Commands:
   test          formatting, lints and all tests, the Khronos validator among them; installs what is missing
   samples       write the sample asset of the specification anew
+  wasm          build the web modules into viewer-web and print their sizes; fails if one is too large
+      --only NAME                     only modules whose package name contains NAME
+      --std auto|debian               standard library: rustup's where it is or can be installed, else Debian's (auto),
+                                      or Debian's in any case
   bench scenes  bake, validate and verify the public scenes and print the table of the README
       --quality draft|standard|high   quality of the bake (default: standard)
       --cameras N                     cameras per group of views (default: as `svs verify`)
@@ -45,6 +51,7 @@ fn main() -> ExitCode {
     let result = match words.as_slice() {
         ["test"] => test::test(),
         ["samples"] => samples::samples(),
+        ["wasm", rest @ ..] => wasm::Options::parse(rest).and_then(|options| wasm::wasm(&options)),
         ["bench", "scenes", rest @ ..] => {
             bench::scenes::Options::parse(rest).and_then(|options| bench::scenes::scenes(&options))
         }

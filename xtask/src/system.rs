@@ -28,13 +28,22 @@ pub(crate) fn install() -> Result<(), String> {
     if !["Xvfb", "xdotool"].iter().all(|program| on_path(program).is_some()) {
         missing.extend(DISPLAY);
     }
-    if missing.is_empty() || on_path("apt-get").is_none() {
-        return Ok(());
+    install_packages(&missing).map(drop)
+}
+
+/// Installs packages of Debian and its relatives; `false` if some are asked for and there is no `apt-get`.
+pub(crate) fn install_packages(packages: &[&str]) -> Result<bool, String> {
+    if packages.is_empty() {
+        return Ok(true);
+    }
+    if on_path("apt-get").is_none() {
+        return Ok(false);
     }
     // Package lists may be missing or old; an error here shows up as one of the installation.
     let _ = apt(&["update", "-qq"]).status();
     let mut install = apt(&["install", "-y", "-qq", "--no-install-recommends"]);
-    run::step(&format!("install {}", missing.join(" ")), install.args(&missing))
+    run::step(&format!("install {}", packages.join(" ")), install.args(packages))?;
+    Ok(true)
 }
 
 /// A Vulkan driver has left its description where loaders look for it.
@@ -50,7 +59,8 @@ fn has_vulkan() -> bool {
         .any(|entry| entry.path().extension().is_some_and(|extension| extension == "json"))
 }
 
-fn on_path(program: &str) -> Option<PathBuf> {
+/// Where a program is.
+pub(crate) fn on_path(program: &str) -> Option<PathBuf> {
     let paths = std::env::var_os("PATH")?;
     std::env::split_paths(&paths).map(|folder| folder.join(program)).find(|file| file.is_file())
 }

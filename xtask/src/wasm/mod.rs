@@ -1,0 +1,116 @@
+//! `cargo xtask wasm`: builds the web modules, and fails if one is too large.
+
+mod shrink;
+mod standard_library;
+
+use crate::run;
+use crate::table;
+use standard_library::StandardLibrary;
+use std::path::Path;
+
+/// A crate that becomes a wasm module with JavaScript bindings.
+struct Module {
+    /// Package of the workspace; the library of type `cdylib` is named after it.
+    package: &'static str,
+    /// Where the module and its bindings go, from the repository's root.
+    folder: &'static str,
+    /// Largest size in bytes after `gzip -9`.
+    limit: u64,
+}
+
+const MODULES: &[Module] =
+    &[Module { package: "svs-runtime-wasm", folder: "viewer-web/runtime/wasm", limit: 60_000 }];
+
+/// What `cargo xtask wasm` was asked for.
+#[derive(Debug, Default)]
+pub(crate) struct Options {
+    only: Option<String>,
+    debian: bool,
+}
+
+impl Options {
+    /// Reads the arguments after `wasm`.
+    pub(crate) fn parse(mut arguments: &[&str]) -> Result<Self, String> {
+        let mut options = Self::default();
+        while let [first, rest @ ..] = arguments {
+            arguments = match (*first, rest) {
+                ("--only", [name, rest @ ..]) => {
+                    options.only = Some((*name).to_owned());
+                    rest
+                }
+                ("--std", ["debian", rest @ ..]) => {
+                    options.debian = true;
+                    rest
+                }
+                ("--std", ["auto", rest @ ..]) => rest,
+                _ => {
+                    return Err(format!(
+                        "`wasm` does not know `{}`; see `cargo xtask help`",
+                        arguments.join(" ")
+                    ));
+                }
+            };
+        }
+        Ok(options)
+    }
+}
+
+/// Builds the modules and prints their sizes.
+pub(crate) fn wasm(options: &Options) -> Result<(), String> {
+    let wanted = |module: &&Module| options.only.as_deref().is_none_or(|name| module.package.contains(name));
+    let modules: Vec<&Module> = MODULES.iter().filter(wanted).collect();
+    if modules.is_empty() {
+        let all: Vec<&str> = MODULES.iter().map(|module| module.package).collect();
+        return Err(format!("no module of that name; there are {}", all.join(", ")));
+    }
+    shrink::install()?;
+    let library = StandardLibrary::find(options.debian)?;
+    let (mut rows, mut too_large) = (Vec::new(), Vec::new());
+    for module in modules {
+        let sizes = build(module, &library)?;
+        let bytes = |size: u64| table::count(size as f64);
+        rows.push(vec![
+            module.package.to_owned(),
+            bytes(sizes.raw),
+            bytes(sizes.gzip),
+            bytes(sizes.brotli),
+            bytes(sizes.bindings_gzip),
+            bytes(module.limit),
+        ]);
+        if sizes.gzip > module.limit {
+            too_large.push(format!("{} by {} bytes", module.package, sizes.gzip - module.limit));
+        }
+    }
+    let head = ["module", "bytes", "gzip -9", "brotli", "bindings, gzip -9", "limit of gzip -9"];
+    print!("{}", table::markdown(&head, &rows));
+    if too_large.is_empty() { Ok(()) } else { Err(format!("too large: {}", too_large.join(", "))) }
+}
+
+fn build(module: &Module, library: &StandardLibrary) -> Result<shrink::Sizes, String> {
+    let target = library.target_folder();
+    let mut cargo = run::cargo();
+    cargo
+        .args(["build", "--profile", "wasm", "--lib", "--target", "wasm32-unknown-unknown"])
+        .args(["--package", module.package])
+        .env("CARGO_TARGET_DIR", &target);
+    library.apply(&mut cargo);
+    run::step(&format!("build {}", module.package), &mut cargo)?;
+    let name = module.package.replace('-', "_");
+    let built = target.join("wasm32-unknown-unknown/wasm").join(format!("{name}.wasm"));
+    let folder = run::root().join(module.folder);
+    bindings(&built, &folder)?;
+    shrink::shrink(&folder.join(format!("{name}_bg.wasm")), &folder.join(format!("{name}.js")))
+}
+
+fn bindings(module: &Path, folder: &Path) -> Result<(), String> {
+    // Nothing of an earlier build stays.
+    if folder.exists() {
+        std::fs::remove_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    }
+    run::step(
+        "bindings",
+        run::cargo()
+            .args(["run", "--quiet", "--release", "--package", "svs-bindgen", "--"])
+            .args([module, folder]),
+    )
+}
