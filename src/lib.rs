@@ -57,6 +57,8 @@ pub mod rig;
 pub mod scene;
 #[cfg(feature = "stage")]
 pub mod stage;
+#[cfg(feature = "stage")]
+pub mod stream;
 #[cfg(feature = "bake")]
 pub mod validate;
 #[cfg(feature = "bake")]

@@ -205,6 +205,19 @@ impl Document {
         })
     }
 
+    /// Where a buffer view lies: its buffer, and a range of it.
+    ///
+    /// # Errors
+    /// As [`Self::buffer_view`].
+    pub fn buffer_view_range(&self, index: usize) -> Result<(usize, std::ops::Range<usize>), AccessorError> {
+        // Checks everything.
+        let length = self.buffer_view(index)?.len();
+        let view = &json::array(&self.json, "bufferViews")[index];
+        let number = |key: &str| view.get(key).and_then(json::index).unwrap_or(0);
+        let start = number("byteOffset");
+        Ok((number("buffer"), start..start + length))
+    }
+
     /// The bytes behind a URI of this document (an image, say): a `data:` URI or a file in the document's folder.
     /// More than `limit` bytes are refused before they are read.
     ///

@@ -205,12 +205,15 @@ impl Extras {
                 let first = *self.levels.get(object(draw)? as usize).filter(|&&first| first != NONE)?;
                 Some(first + u32::from(level.checked_sub(1)?))
             }
-            SelectedKind::Proxy => {
-                let anchors = self.proxies.get(draw.tree as usize)?;
-                let first = *anchors.get(draw.anchor as usize).filter(|&&first| first != NONE)?;
-                Some(first + draw.object)
-            }
+            SelectedKind::Proxy => self.proxy(draw.tree, draw.anchor, draw.object),
         }
+    }
+
+    /// The id of a proxy node at an anchor.
+    pub(super) fn proxy(&self, tree: u32, anchor: u32, node: u32) -> Option<u32> {
+        let anchors = self.proxies.get(tree as usize)?;
+        let first = *anchors.get(anchor as usize).filter(|&&first| first != NONE)?;
+        Some(first + node)
     }
 
     /// The innermost proxy node around a place of a tree.

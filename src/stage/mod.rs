@@ -139,6 +139,11 @@ impl Stage {
         self.settings
     }
 
+    /// Quality of [`Stage::recommended`], 0 to 1.
+    pub fn recommended_quality(&self) -> f32 {
+        self.baked.as_ref().and_then(Baked::recommended).unwrap_or(svs_runtime::DEFAULT_QUALITY)
+    }
+
     /// The runtime's culler.
     pub fn culler(&mut self) -> &mut SceneCuller {
         &mut self.culler

@@ -92,12 +92,26 @@ impl Painter {
         self.figures.cull_us = (now() - begin) * 1e3;
         self.drawn.clear();
         self.drawn.extend_from_slice(drawn);
+        if open.is_loading() {
+            self.stand_in(open);
+        }
         self.figures.dropped_pixels = match method {
             Method::Nothing | Method::Exact => 0.0,
             Method::Frustum | Method::Visibility => open.stage.culler().selection().dropped_pixels,
         };
         self.figures.proxies = open.stage.count(&self.drawn, Kind::Proxy);
         self.figures.simplified = open.stage.count(&self.drawn, Kind::Level);
+    }
+
+    /// Proxies for what has not come yet, as far as they have.
+    fn stand_in(&mut self, open: &Open) {
+        let missing = self.drawn.iter().filter(|&&id| !open.has(id));
+        let mut proxies: Vec<u32> = missing
+            .filter_map(|&id| open.stage.proxies_around(id).find(|&proxy| open.has(proxy)))
+            .collect();
+        proxies.sort_unstable();
+        proxies.dedup();
+        self.drawn.extend(proxies);
     }
 
     /// Draws; says whether it could.

@@ -2,14 +2,28 @@
 
 use svs::appearance::Gradual;
 use svs::gltf::Document;
-use svs::stage::{Extra, Stage};
-use svs_render::{Gpu, GpuScene, RenderError};
 use std::collections::BTreeSet;
+use std::ops::Range;
+use svs::stage::{Extra, Stage};
+use svs::stream::{Loader, StreamError, priorities};
+use svs_render::{Gpu, GpuScene, RenderError, View};
+
+/// Bytes that must have come since the last upload before the next one: it costs about as much as drawing some frames.
+const STEP: u64 = 384 << 10;
+/// Share of what is uploaded already that must be new.
+const GROWTH: f64 = 0.5;
 
 /// A file, as far as it has arrived.
 #[derive(Debug)]
 pub(crate) struct Open {
     pub(crate) stage: Stage,
+    /// Brings more, until all is there.
+    loader: Option<Loader>,
+    mesh_bytes: Vec<u64>,
+    /// Which meshes of the data have been read.
+    read: Vec<bool>,
+    uploaded: u64,
+    fresh: u64,
     pub(crate) gpu_scene: Option<GpuScene>,
     pub(crate) hidden: BTreeSet<u32>,
 }
@@ -24,9 +38,69 @@ impl Open {
         gradual.fill(&doc, &meshes, &mut stage.data).map_err(|error| text(&error))?;
         let images: Vec<u32> = (0..stage.data.images.len() as u32).collect();
         gradual.fill_images(&doc, &images, &mut stage.data);
-        let mut open = Self { stage, gpu_scene: None, hidden: BTreeSet::new() };
+        let read = vec![true; stage.data.meshes.len()];
+        let mut open = Self::new(stage, None, Vec::new(), read);
         open.upload(gpu).map_err(|error| text(&error))?;
         Ok(open)
+    }
+
+    /// A file of which only what is needed first has come.
+    pub(crate) fn streamed(mut loader: Loader) -> Result<Self, StreamError> {
+        let stage = loader.open()?;
+        let mesh_bytes = loader.mesh_bytes();
+        let read = vec![false; stage.data.meshes.len()];
+        Ok(Self::new(stage, Some(loader), mesh_bytes, read))
+    }
+
+    fn new(stage: Stage, loader: Option<Loader>, mesh_bytes: Vec<u64>, read: Vec<bool>) -> Self {
+        let (gpu_scene, hidden) = (None, BTreeSet::new());
+        Self { stage, loader, mesh_bytes, read, uploaded: 0, fresh: 0, gpu_scene, hidden }
+    }
+
+    /// Bytes are still to come.
+    pub(crate) fn is_loading(&self) -> bool {
+        self.loader.is_some()
+    }
+
+    /// The object, level or proxy can be drawn already.
+    pub(crate) fn has(&self, id: u32) -> bool {
+        let object = self.stage.data.objects.get(id as usize);
+        object.is_some_and(|object| self.read.get(object.mesh as usize) == Some(&true))
+    }
+
+    /// Takes bytes of the file.
+    pub(crate) fn receive(&mut self, at: u64, bytes: &[u8]) -> Result<(), StreamError> {
+        self.loader.as_mut().map_or(Ok(()), |loader| loader.receive(at, bytes))
+    }
+
+    /// What to fetch next for a view.
+    pub(crate) fn wanted(&mut self, view: &View, [width, height]: [u32; 2]) -> Vec<Range<u64>> {
+        let Some(loader) = &mut self.loader else { return Vec::new() };
+        let order = priorities(&mut self.stage, view, width, height, &self.mesh_bytes);
+        loader.wanted(&order)
+    }
+
+    /// Reads what has come, and puts it on the GPU when it is worth it; says whether it did.
+    pub(crate) fn advance(&mut self, gpu: &Gpu) -> Result<bool, String> {
+        let Some(loader) = &mut self.loader else { return Ok(false) };
+        let ready = loader.ready();
+        loader.fill(&ready, &mut self.stage).map_err(|error| error.to_string())?;
+        for &mesh in &ready.meshes {
+            self.read[mesh as usize] = true;
+            self.fresh += self.mesh_bytes.get(mesh as usize).copied().unwrap_or(0);
+        }
+        // An image is worth an upload as its meshes are.
+        let done = loader.is_done();
+        let due = self.fresh >= STEP && self.fresh as f64 >= self.uploaded as f64 * GROWTH;
+        if !(done || due) {
+            return Ok(false);
+        }
+        self.uploaded += std::mem::take(&mut self.fresh);
+        if done {
+            self.loader = None;
+        }
+        self.upload(gpu).map_err(|error| error.to_string())?;
+        Ok(true)
     }
 
     /// Puts what has arrived on the GPU.

@@ -9,6 +9,7 @@ use glam::DVec3;
 use serde_json::json;
 use svs::rig::{Motion, Rig};
 use svs::stage::Method;
+use svs::stream::{Head, Loader};
 use svs_render::{Frame, Gpu, View, wgpu};
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
@@ -31,6 +32,21 @@ pub struct Viewer {
     /// Draws all the time.
     continuous: bool,
     pick: Option<Pick>,
+    arriving: Arriving,
+}
+
+/// A file on its way.
+#[derive(Debug)]
+enum Arriving {
+    Nothing,
+    Head(Head),
+    Loader(Loader),
+    /// It is what is open.
+    Open,
+}
+
+fn wrong(error: impl std::fmt::Display) -> JsError {
+    JsError::new(&error.to_string())
 }
 
 /// Milliseconds since the page was opened.
@@ -67,6 +83,7 @@ impl Viewer {
             dirty: true,
             continuous: false,
             pick: None,
+            arriving: Arriving::Nothing,
         })
     }
 
@@ -80,7 +97,79 @@ impl Viewer {
         Ok(())
     }
 
+    /// Starts to load a GLB of `length` bytes bit by bit, with its first bytes; false if it is to be opened as a whole.
+    ///
+    /// # Errors
+    /// When it is broken already.
+    pub fn stream(&mut self, length: f64, first: &[u8]) -> Result<bool, JsError> {
+        self.arriving = Arriving::Nothing;
+        let Some(mut head) = Head::new(length as u64, first) else { return Ok(false) };
+        self.arriving = match head.known().map_err(wrong)? {
+            Some(known) => Arriving::Loader(Loader::new(known).map_err(wrong)?),
+            None => Arriving::Head(head),
+        };
+        Ok(true)
+    }
+
+    /// Takes bytes of the file that [`Self::stream`] began; says whether there is something to see from now on.
+    ///
+    /// # Errors
+    /// When the file is broken; what was open before it stays.
+    pub fn receive(&mut self, at: f64, bytes: &[u8]) -> Result<bool, JsError> {
+        let at = at as u64;
+        self.arriving = match std::mem::replace(&mut self.arriving, Arriving::Nothing) {
+            Arriving::Nothing => return Ok(false),
+            Arriving::Open => {
+                if let Some(open) = &mut self.open {
+                    open.receive(at, bytes).map_err(wrong)?;
+                    self.dirty = true;
+                }
+                self.arriving = Arriving::Open;
+                return Ok(true);
+            }
+            Arriving::Head(mut head) => match head.receive(at, bytes).map_err(wrong)? {
+                Some(known) => Arriving::Loader(Loader::new(known).map_err(wrong)?),
+                None => Arriving::Head(head),
+            },
+            Arriving::Loader(mut loader) => {
+                loader.receive(at, bytes).map_err(wrong)?;
+                Arriving::Loader(loader)
+            }
+        };
+        match std::mem::replace(&mut self.arriving, Arriving::Open) {
+            Arriving::Loader(loader) if loader.can_open() => {
+                self.put(Open::streamed(loader).map_err(wrong)?);
+                self.arriving = Arriving::Open;
+                Ok(true)
+            }
+            other => {
+                self.arriving = other;
+                Ok(false)
+            }
+        }
+    }
+
+    /// What to fetch next, pairs of first byte and one past the last; empty if all is there or on its way.
+    pub fn wanted(&mut self) -> Vec<f64> {
+        let eye = self.eye();
+        let ranges = match &mut self.arriving {
+            Arriving::Nothing => Vec::new(),
+            Arriving::Head(head) => head.wanted(),
+            Arriving::Loader(loader) => loader.wanted(&[]),
+            Arriving::Open => {
+                self.open.as_mut().map_or_else(Vec::new, |open| open.wanted(&eye.view, eye.size))
+            }
+        };
+        ranges.into_iter().flat_map(|range| [range.start as f64, range.end as f64]).collect()
+    }
+
+    /// There is more to show than the last frame did.
+    pub fn pending(&self) -> bool {
+        self.dirty || self.pick.is_some() || self.motion.moves()
+    }
+
     fn put(&mut self, open: Open) {
+        self.arriving = Arriving::Nothing;
         let (min, max) = open.stage.bounds();
         self.rig = Rig::new(min, max);
         self.rig.frame(None, self.aspect());
@@ -99,7 +188,10 @@ impl Viewer {
     }
 
     /// Draws if there is anything new to see; says whether it did. `time` is that of the animation frame, milliseconds.
-    pub fn frame(&mut self, time: f64) -> bool {
+    ///
+    /// # Errors
+    /// When more of a file came and the GPU has no room for it.
+    pub fn frame(&mut self, time: f64) -> Result<bool, JsError> {
         let seconds = self.before.replace(time).map_or(0.0, |before| (time - before) * 1e-3);
         if self.motion.moves() {
             self.rig.advance(&self.motion, seconds, false);
@@ -109,16 +201,20 @@ impl Viewer {
         if self.pick.is_some() {
             let _ = self.gpu.device.poll(wgpu::PollType::Poll);
         }
+        let eye = self.eye();
+        let Some(open) = &mut self.open else { return Ok(false) };
+        if open.is_loading() && open.advance(&self.gpu).map_err(wrong)? {
+            self.painter.forget_tints();
+            self.dirty = true;
+        }
         if !(self.dirty || self.continuous) {
             self.painter.pause();
-            return false;
+            return Ok(false);
         }
-        let eye = self.eye();
-        let Some(open) = &mut self.open else { return false };
         self.painter.cull(open, eye, &self.controls, now);
         let drawn = self.painter.draw(&self.gpu, &mut self.surface, open, eye, &self.controls, now);
-        self.dirty = !drawn;
-        drawn
+        self.dirty = !drawn && open.gpu_scene.is_some();
+        Ok(drawn)
     }
 
     /// Draws every frame, needed or not: for measurements.
@@ -162,6 +258,8 @@ impl Viewer {
             "proxies": figures.proxies,
             "simplified": figures.simplified,
             "estimatedMissingPpm": figures.dropped_pixels / (f64::from(width) * f64::from(height)) * 1e6,
+            "loading": self.open.as_ref().is_some_and(Open::is_loading),
+            "recommended": stage.filter(|s| s.is_baked()).map(|s| s.recommended_quality()),
             "hidden": self.open.as_ref().map_or(0, |open| open.hidden.len()),
             "gpuBytes": self.open.as_ref().and_then(|o| o.gpu_scene.as_ref()).map_or(0, |scene| scene.bytes()),
             "width": width,
