@@ -87,7 +87,7 @@ impl CostModel {
         // Relative to the prediction once there is one worth the name: relative to the time itself, noise would pull the fit
         // down.
         let scale =
-            if self.frames > TRUSTING { predicted.clamp(ms * 0.25, ms * 4.0) } else { ms }.max(LEAST_MS);
+            if self.frames > TRUSTING { predicted.max(ms * 0.25).min(ms * 4.0) } else { ms }.max(LEAST_MS);
         let weight = trust / (scale * scale);
         let x = features(triangles, draws);
         for (i, (row, right)) in self.matrix.iter_mut().zip(&mut self.right).enumerate() {

@@ -2,12 +2,15 @@
 
 use crate::encode::parse_hash;
 use crate::error::{DecodeError, TreeError};
-use crate::format::{Extension, ProxiesJson, TreeJson};
+#[cfg(feature = "json")]
+use crate::format::Extension;
+use crate::format::{MeshLevelsJson, ProxiesJson, TreeJson};
 use crate::mesh_levels::{self, MeshLevels};
 use crate::proxies::ProxyTables;
 use crate::sharing::first_excess;
 use crate::tables::TreeTables;
 use crate::tree::{Fingerprint, Nested, Placement, Tree};
+#[cfg(feature = "json")]
 use serde::Deserialize;
 use std::sync::Arc;
 
@@ -43,6 +46,7 @@ impl Visibility {
     /// # Errors
     /// Anything that is not as the specification says, and trees that together need far more memory than the file has, see
     /// [`crate::sharing::first_excess`]. Draw the scene with frustum culling alone then.
+    #[cfg(feature = "json")]
     pub fn decode(extension: &serde_json::Value, source: &dyn AccessorSource) -> Result<Self, DecodeError> {
         let extension = Extension::deserialize(extension)?;
         Self::from_extension(extension, source)
@@ -52,15 +56,30 @@ impl Visibility {
     ///
     /// # Errors
     /// As [`Self::decode`], and for text that is not JSON.
+    #[cfg(feature = "json")]
     pub fn decode_json(extension: &str, source: &dyn AccessorSource) -> Result<Self, DecodeError> {
         Self::from_extension(serde_json::from_str(extension)?, source)
     }
 
+    #[cfg(feature = "json")]
     fn from_extension(extension: Extension, source: &dyn AccessorSource) -> Result<Self, DecodeError> {
-        if extension.version != "1" && !extension.version.starts_with("1.") {
-            return Err(DecodeError::Version { found: extension.version });
+        Self::from_parsed(&extension.version, extension.trees, &extension.mesh_levels, source)
+    }
+
+    /// [`Self::decode`] of JSON that another parser has read: the extension's `version`, `trees` and `meshLevels`.
+    ///
+    /// # Errors
+    /// As [`Self::decode`].
+    pub fn from_parsed(
+        version: &str,
+        trees: Vec<TreeJson>,
+        mesh_levels: &[MeshLevelsJson],
+        source: &dyn AccessorSource,
+    ) -> Result<Self, DecodeError> {
+        if version != "1" && !version.starts_with("1.") {
+            return Err(DecodeError::Version { found: version.to_owned() });
         }
-        let named = extension.trees.iter().enumerate();
+        let named = trees.iter().enumerate();
         let named = named.flat_map(|(tree, json)| json.accessors().map(move |index| (tree, index)));
         // Accessors that cannot be read are reported by the tree that needs them.
         let (named, views): (Vec<usize>, Vec<AccessorView<'_>>) =
@@ -68,13 +87,13 @@ impl Visibility {
         if let Some(excess) = first_excess(views) {
             return Err(DecodeError::TablesTooLarge { tree: named[excess] });
         }
-        let mut trees = Vec::with_capacity(extension.trees.len());
-        for (tree, json) in extension.trees.into_iter().enumerate() {
-            let decoded = read_tables(json, source).and_then(Tree::new);
-            trees.push(decoded.map_err(|source| DecodeError::Tree { tree, source })?);
+        let mut decoded = Vec::with_capacity(trees.len());
+        for (tree, json) in trees.into_iter().enumerate() {
+            let checked = read_tables(json, source).and_then(Tree::new);
+            decoded.push(checked.map_err(|source| DecodeError::Tree { tree, source })?);
         }
-        let mut visibility = Self::new(trees)?;
-        visibility.mesh_levels = mesh_levels::read(&extension.mesh_levels)?;
+        let mut visibility = Self::new(decoded)?;
+        visibility.mesh_levels = mesh_levels::read(mesh_levels)?;
         Ok(visibility)
     }
 

@@ -8,10 +8,11 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum DecodeError {
     /// The JSON does not have the form of the extension.
+    #[cfg(feature = "json")]
     #[error("not a valid EXT_spherical_visibility object: {0}")]
     Json(#[from] serde_json::Error),
     /// Baked for another major version.
-    #[error("version {found:?} is not supported, only 1.x is; bake again with a matching tool")]
+    #[error("version \"{found}\" is not supported, only 1.x is; bake again with a matching tool")]
     Version {
         /// Version text of the file.
         found: String,
@@ -48,7 +49,7 @@ pub enum TreeError {
     #[error("exactly one of `scene` and `anchors` must be given")]
     Placement,
     /// No direction set has this name.
-    #[error("unknown direction set {name:?}")]
+    #[error("unknown direction set \"{name}\"")]
     Directions {
         /// Name in the file.
         name: String,

@@ -1,8 +1,9 @@
-//! The JSON of `EXT_spherical_visibility`, as the baker writes it and the decoder reads it.
+//! The JSON of `EXT_spherical_visibility`, as the baker writes it and the decoder reads it (with the feature `json`).
 //!
 //! These types only mirror the text; nothing in them has been checked. [`crate::Visibility::decode`] does that.
 //! Unknown properties are ignored.
 
+#[cfg(feature = "json")]
 use serde::{Deserialize, Serialize};
 
 /// Name of the extension, in `extensionsUsed` and in the document's `extensions`.
@@ -12,6 +13,7 @@ pub const EXTENSION_NAME: &str = "EXT_spherical_visibility";
 pub const VERSION: &str = "1.0";
 
 /// The extension object on the document's root.
+#[cfg(feature = "json")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Extension {
@@ -31,14 +33,15 @@ pub struct Extension {
 }
 
 /// One visibility tree.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "json", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "json", serde(rename_all = "camelCase"))]
 pub struct TreeJson {
     /// glTF scene at whose root the tree is anchored: tree space is world space. Excludes `anchors`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "json", serde(default, skip_serializing_if = "Option::is_none"))]
     pub scene: Option<u32>,
     /// glTF nodes in whose local space the tree lives; all of them share its data. Excludes `scene`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "json", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub anchors: Vec<u32>,
     /// Name of the direction set, one of [`crate::directions::DIRECTION_SETS`].
     pub directions: String,
@@ -49,51 +52,76 @@ pub struct TreeJson {
     /// Area in m² that importance code 0 stands for.
     pub importance_area: f64,
     /// Accessors of the tables.
-    #[serde(default)]
+    #[cfg_attr(feature = "json", serde(default))]
     pub tables: Tables,
     /// Meshes that stand for groups of objects.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "json", serde(default, skip_serializing_if = "Option::is_none"))]
     pub proxies: Option<ProxiesJson>,
     /// Objects that stand for an anchor of another tree.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "json", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub nested: Vec<NestedJson>,
     /// Settings the baker found best.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "json", serde(default, skip_serializing_if = "Option::is_none"))]
     pub recommended: Option<RecommendedJson>,
     /// What the tree was baked from, to detect that the scene has changed since.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "json", serde(default, skip_serializing_if = "Option::is_none"))]
     pub fingerprint: Option<FingerprintJson>,
 }
 
 /// Accessor indices by table. The node tables and [`Self::level_row`] are absent if the tree has no nodes, and
 /// [`Self::importance`] if it would be empty (an accessor cannot have no elements).
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "json", derive(Serialize, Deserialize))]
 pub struct Tables {
     /// VEC4 FLOAT: sphere centre x, y, z and radius per node, in metres of tree space.
-    #[serde(rename = "NODE_SPHERE", default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "json",
+        serde(rename = "NODE_SPHERE", default, skip_serializing_if = "Option::is_none")
+    )]
     pub node_sphere: Option<u32>,
     /// SCALAR unsigned integer: nodes in the subtree, the node itself included.
-    #[serde(rename = "NODE_SUBTREE", default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "json",
+        serde(rename = "NODE_SUBTREE", default, skip_serializing_if = "Option::is_none")
+    )]
     pub node_subtree: Option<u32>,
     /// SCALAR unsigned integer: first object (place in tree order) below the node.
-    #[serde(rename = "NODE_FIRST_OBJECT", default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "json",
+        serde(rename = "NODE_FIRST_OBJECT", default, skip_serializing_if = "Option::is_none")
+    )]
     pub node_first_object: Option<u32>,
     /// SCALAR unsigned integer: objects below the node, contiguous in tree order.
-    #[serde(rename = "NODE_OBJECT_COUNT", default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "json",
+        serde(rename = "NODE_OBJECT_COUNT", default, skip_serializing_if = "Option::is_none")
+    )]
     pub node_object_count: Option<u32>,
     /// SCALAR unsigned integer: for each place in tree order, the index of the object among the mesh-bearing
     /// nodes and instances below the anchor in depth-first document order. Absent: the same order.
-    #[serde(rename = "OBJECT_ORDER", default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "json",
+        serde(rename = "OBJECT_ORDER", default, skip_serializing_if = "Option::is_none")
+    )]
     pub object_order: Option<u32>,
     /// SCALAR unsigned byte: distinct rows of packed visible levels, see [`crate::encode::pack_levels`].
-    #[serde(rename = "LEVEL_ROW", default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "json",
+        serde(rename = "LEVEL_ROW", default, skip_serializing_if = "Option::is_none")
+    )]
     pub level_row: Option<u32>,
     /// SCALAR unsigned integer: row of each object. Absent: row `k` belongs to object `k`.
-    #[serde(rename = "LEVEL_ROW_INDEX", default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "json",
+        serde(rename = "LEVEL_ROW_INDEX", default, skip_serializing_if = "Option::is_none")
+    )]
     pub level_row_index: Option<u32>,
     /// SCALAR unsigned byte: for each object in tree order one code per height, from 1 to the highest level in
     /// its row, see [`crate::encode::importance_code`].
-    #[serde(rename = "IMPORTANCE", default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "json",
+        serde(rename = "IMPORTANCE", default, skip_serializing_if = "Option::is_none")
+    )]
     pub importance: Option<u32>,
 }
 
@@ -114,7 +142,8 @@ impl Tables {
 }
 
 /// Simplified versions of one glTF mesh, for any object that has it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "json", derive(Serialize, Deserialize))]
 pub struct MeshLevelsJson {
     /// glTF mesh of the originals.
     pub mesh: u32,
@@ -123,7 +152,8 @@ pub struct MeshLevelsJson {
 }
 
 /// One simplified version of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "json", derive(Serialize, Deserialize))]
 pub struct MeshLevelJson {
     /// glTF mesh that no node of a scene names.
     pub mesh: u32,
@@ -132,7 +162,8 @@ pub struct MeshLevelJson {
 }
 
 /// The proxies of a tree.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "json", derive(Serialize, Deserialize))]
 pub struct ProxiesJson {
     /// Proxies hold only what is visible from outside of their spheres.
     pub visible: bool,
@@ -141,31 +172,35 @@ pub struct ProxiesJson {
 }
 
 /// Accessor indices of the tables of proxies. All are required but [`Self::object`].
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "json", derive(Serialize, Deserialize))]
 pub struct ProxyTables {
     /// VEC4 FLOAT: sphere centre x, y, z and radius per proxy, in metres of tree space.
-    #[serde(rename = "PROXY_SPHERE")]
+    #[cfg_attr(feature = "json", serde(rename = "PROXY_SPHERE"))]
     pub sphere: u32,
     /// SCALAR unsigned integer: proxies in the subtree, itself included.
-    #[serde(rename = "PROXY_SUBTREE")]
+    #[cfg_attr(feature = "json", serde(rename = "PROXY_SUBTREE"))]
     pub subtree: u32,
     /// SCALAR unsigned integer: first object, in proxy order, that it stands for.
-    #[serde(rename = "PROXY_FIRST_OBJECT")]
+    #[cfg_attr(feature = "json", serde(rename = "PROXY_FIRST_OBJECT"))]
     pub first_object: u32,
     /// SCALAR unsigned integer: objects it stands for, contiguous in proxy order.
-    #[serde(rename = "PROXY_OBJECT_COUNT")]
+    #[cfg_attr(feature = "json", serde(rename = "PROXY_OBJECT_COUNT"))]
     pub object_count: u32,
     /// SCALAR unsigned integer: for each place in proxy order the place in tree order. Absent: the same order.
-    #[serde(rename = "PROXY_OBJECT", default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "json",
+        serde(rename = "PROXY_OBJECT", default, skip_serializing_if = "Option::is_none")
+    )]
     pub object: Option<u32>,
     /// SCALAR FLOAT: geometric error, metres of tree space.
-    #[serde(rename = "PROXY_ERROR")]
+    #[cfg_attr(feature = "json", serde(rename = "PROXY_ERROR"))]
     pub error: u32,
     /// SCALAR unsigned integer: glTF mesh.
-    #[serde(rename = "PROXY_MESH")]
+    #[cfg_attr(feature = "json", serde(rename = "PROXY_MESH"))]
     pub mesh: u32,
     /// VEC3 FLOAT: added to the mesh's positions, metres of tree space.
-    #[serde(rename = "PROXY_ORIGIN")]
+    #[cfg_attr(feature = "json", serde(rename = "PROXY_ORIGIN"))]
     pub origin: u32,
 }
 
@@ -178,7 +213,8 @@ impl ProxyTables {
 }
 
 /// An object of this tree that stands for a whole other tree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "json", derive(Serialize, Deserialize))]
 pub struct NestedJson {
     /// Place in this tree's order.
     pub object: u32,
@@ -189,14 +225,16 @@ pub struct NestedJson {
 }
 
 /// Settings the baker found best for a tree.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "json", derive(Serialize, Deserialize))]
 pub struct RecommendedJson {
     /// Quality, 0 to 1, see [`crate::Settings::from_quality`].
     pub quality: f64,
 }
 
 /// What a tree was baked from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "json", derive(Serialize, Deserialize))]
 pub struct FingerprintJson {
     /// Sum of the objects' triangle counts.
     pub triangles: u64,

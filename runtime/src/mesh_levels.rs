@@ -2,6 +2,7 @@
 
 use crate::error::DecodeError;
 use crate::format::MeshLevelsJson;
+use crate::sorting::repeated;
 
 /// Simplified versions of one glTF mesh, coarser and coarser, for any object that has it.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,9 +28,7 @@ pub(crate) const MOST_LEVELS: usize = 64;
 
 /// Checks `meshLevels`.
 pub(crate) fn read(entries: &[MeshLevelsJson]) -> Result<Vec<MeshLevels>, DecodeError> {
-    let mut meshes: Vec<u32> = entries.iter().map(|entry| entry.mesh).collect();
-    meshes.sort_unstable();
-    let repeated = meshes.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
+    let repeated = repeated(entries.iter().map(|entry| entry.mesh));
     entries
         .iter()
         .enumerate()

@@ -2,6 +2,7 @@
 //! again and again.
 
 use crate::decode::AccessorView;
+use crate::sorting::sorted;
 
 /// All tables together, counted as often as they are named, may be this many times as large as the memory they are in.
 const MOST_SHARING: u64 = 16;
@@ -27,14 +28,20 @@ pub fn first_excess<'a>(tables: impl IntoIterator<Item = AccessorView<'a>>) -> O
 
 /// Bytes that are in at least one of the views.
 fn union(views: &[(usize, usize)]) -> u64 {
-    let mut sorted = views.to_vec();
-    sorted.sort_unstable();
-    let (mut bytes, mut covered) = (0_u64, 0_usize);
-    for (start, length) in sorted {
-        // Slices end inside the address space.
-        let end = start.saturating_add(length);
-        bytes += end.saturating_sub(start.max(covered)) as u64;
-        covered = covered.max(end);
+    // Slices end inside the address space.
+    let starts = sorted(views.iter().map(|&(start, _)| start as u64));
+    let ends = sorted(views.iter().map(|&(start, length)| start.saturating_add(length) as u64));
+    // The k-th end is not before the k-th start: where the next view starts after it, nothing is open.
+    let mut bytes = 0;
+    let mut begun = starts.first().copied().unwrap_or(0);
+    for (place, &end) in ends.iter().enumerate() {
+        match starts.get(place + 1) {
+            Some(&next) if next <= end => {}
+            next => {
+                bytes += end - begun;
+                begun = next.copied().unwrap_or(end);
+            }
+        }
     }
     bytes
 }

@@ -8,6 +8,7 @@ use crate::encode::{importance_area, row_stride, unpack_level};
 use crate::error::TreeError;
 use crate::nesting::{self, Names, expect_length};
 use crate::proxies::{Proxies, ProxyTables};
+use crate::sorting::{repeated, sorted};
 use crate::tree::{Fingerprint, Nested, Node, ObjectRow, Placement, Tree};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -110,10 +111,8 @@ impl Tree {
 fn check_order(tables: &TreeTables) -> Result<(), TreeError> {
     let Some(order) = &tables.object_order else { return Ok(()) };
     expect_length("OBJECT_ORDER", order.len(), u64::from(tables.object_count))?;
-    let mut sorted = order.clone();
-    sorted.sort_unstable();
-    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(TreeError::Order { value: pair[0] }),
+    match repeated(order.iter().copied()) {
+        Some(value) => Err(TreeError::Order { value }),
         None => Ok(()),
     }
 }
@@ -208,11 +207,13 @@ fn depths(nodes: &[Node], object_count: usize) -> Vec<u32> {
         .collect()
 }
 
-fn sorted_nested(mut nested: Vec<Nested>, object_count: u32) -> Result<Vec<Nested>, TreeError> {
+fn sorted_nested(nested: Vec<Nested>, object_count: u32) -> Result<Vec<Nested>, TreeError> {
     if let Some(entry) = nested.iter().position(|n| n.object >= object_count) {
         return Err(TreeError::Nested { entry, problem: "there is no such object" });
     }
-    nested.sort_by_key(|n| n.object);
+    // Entries by object; of equal objects, of which one is too many, by place.
+    let keys = nested.iter().enumerate().map(|(entry, n)| u64::from(n.object) << 32 | entry as u64);
+    let nested: Vec<Nested> = sorted(keys).into_iter().map(|key| nested[key as u32 as usize]).collect();
     match nested.windows(2).position(|pair| pair[0].object == pair[1].object) {
         Some(entry) => Err(TreeError::Nested { entry, problem: "the object stands for two anchors" }),
         None => Ok(nested),

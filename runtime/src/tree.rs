@@ -3,6 +3,7 @@
 use crate::directions::DirectionSet;
 use crate::encode;
 use crate::proxies::Proxies;
+use crate::sorting::sorted;
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -210,9 +211,9 @@ impl Tree {
             return true;
         }
         let Some(fingerprint) = self.fingerprint else { return false };
-        let mut objects: Vec<(u32, u32)> =
-            triangle_counts.iter().enumerate().map(|(k, &n)| (self.document_index(k), n)).collect();
-        objects.sort_unstable();
+        let objects = triangle_counts.iter().enumerate();
+        let keys = objects.map(|(k, &n)| u64::from(self.document_index(k)) << 32 | u64::from(n));
+        let objects = sorted(keys).into_iter().map(|key| ((key >> 32) as u32, key as u32));
         let triangles: u64 = triangle_counts.iter().map(|&n| u64::from(n)).sum();
         fingerprint != Fingerprint { triangles, hash: encode::fingerprint(objects) }
     }

@@ -1,6 +1,5 @@
 //! Proxies and simplified levels as further objects of the scene to draw, after its own: the renderer knows no difference.
 
-use super::stretch::stretch;
 use crate::baked::Baked;
 use crate::gltf::Document;
 use crate::scene::Scene;
@@ -8,7 +7,7 @@ use glam::DAffine3;
 use serde_json::Value;
 use std::collections::{BTreeSet, HashMap};
 use svs_render::{Object, SceneData};
-use svs_runtime::{BoundsError, Draw, LOOSE, Level, SceneCuller, Selected, SelectedKind};
+use svs_runtime::{BoundsError, Draw, LOOSE, Level, SceneCuller, Selected, SelectedKind, stretch};
 
 /// No object.
 const NONE: u32 = u32::MAX;

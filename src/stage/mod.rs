@@ -16,7 +16,6 @@ mod metric;
 mod open;
 pub mod overlay;
 mod select;
-mod stretch;
 #[cfg(all(test, feature = "render"))]
 mod tests;
 

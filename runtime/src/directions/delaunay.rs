@@ -4,32 +4,51 @@
 //! the tetrahedron does not keep this, and greedy walks need it to end at the true nearest direction.
 
 use glam::DVec3;
-use std::collections::{HashMap, VecDeque};
+use std::collections::VecDeque;
 
 /// Points nearer than this to a triangle's plane count as cocircular: their edge stays as it is.
 const COCIRCULAR: f64 = 1e-12;
 
-/// For each edge `(from, to)` of a counter-clockwise triangle, the index of that triangle.
-pub(crate) type EdgeMap = HashMap<(u16, u16), u32>;
+/// For each edge `(from, to)` of a counter-clockwise triangle, the index of that triangle: by `from` a list, which is as short
+/// as vertices have neighbours.
+pub(crate) struct EdgeMap(Vec<Vec<(u16, u32)>>);
 
-/// Directed edges to triangles.
-pub(crate) fn edge_map(triangles: &[[u16; 3]]) -> EdgeMap {
-    let mut map = EdgeMap::with_capacity(triangles.len() * 3);
-    for (index, &[a, b, c]) in triangles.iter().enumerate() {
-        for edge in [(a, b), (b, c), (c, a)] {
-            map.insert(edge, index as u32);
+impl EdgeMap {
+    /// The edges of all triangles.
+    pub(crate) fn new(triangles: &[[u16; 3]]) -> Self {
+        let last = triangles.iter().flatten().max().map_or(0, |&vertex| usize::from(vertex));
+        let mut map = Self(vec![Vec::new(); last + 1]);
+        for (index, &[a, b, c]) in triangles.iter().enumerate() {
+            for edge in [(a, b), (b, c), (c, a)] {
+                map.insert(edge, index as u32);
+            }
         }
+        map
     }
-    map
+
+    /// The triangle that has the edge.
+    pub(crate) fn get(&self, (from, to): (u16, u16)) -> Option<u32> {
+        let edges = self.0.get(usize::from(from))?;
+        edges.iter().find(|(end, _)| *end == to).map(|&(_, triangle)| triangle)
+    }
+
+    fn insert(&mut self, (from, to): (u16, u16), triangle: u32) {
+        self.remove((from, to));
+        self.0[usize::from(from)].push((to, triangle));
+    }
+
+    fn remove(&mut self, (from, to): (u16, u16)) {
+        self.0[usize::from(from)].retain(|(end, _)| *end != to);
+    }
 }
 
 /// Flips edges until no vertex lies above the plane of a neighbouring triangle.
 pub(crate) fn make_delaunay(vertices: &[DVec3], triangles: &mut [[u16; 3]]) {
-    let mut edges = edge_map(triangles);
+    let mut edges = EdgeMap::new(triangles);
     let mut queue: VecDeque<(u16, u16)> =
         triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).filter(|(a, b)| a < b).collect();
     while let Some((a, b)) = queue.pop_front() {
-        let (Some(&left), Some(&right)) = (edges.get(&(a, b)), edges.get(&(b, a))) else { continue };
+        let (Some(left), Some(right)) = (edges.get((a, b)), edges.get((b, a))) else { continue };
         let c = opposite(triangles[left as usize], a, b);
         let d = opposite(triangles[right as usize], b, a);
         let [pa, pb, pc, pd] = [a, b, c, d].map(|i| vertices[i as usize]);
@@ -37,8 +56,8 @@ pub(crate) fn make_delaunay(vertices: &[DVec3], triangles: &mut [[u16; 3]]) {
         if above <= COCIRCULAR {
             continue;
         }
-        edges.remove(&(a, b));
-        edges.remove(&(b, a));
+        edges.remove((a, b));
+        edges.remove((b, a));
         triangles[left as usize] = [a, d, c];
         triangles[right as usize] = [d, b, c];
         for (edge, triangle) in [

@@ -4,8 +4,9 @@
 //! 2010). A cell keeps every direction that is nearest somewhere in it (mostly one or two) and the triangle
 //! that holds its middle, from which a short walk finds the right one.
 
-use super::delaunay::edge_map;
+use super::delaunay::EdgeMap;
 use super::solid::Mesh;
+use crate::sorting::insert;
 use glam::DVec3;
 
 /// A direction stays a candidate unless another one is nearer by this much all over the cell: far above what
@@ -46,10 +47,9 @@ struct Cell {
 impl Lookup {
     /// `rings[i]` are the neighbours of `i` in `mesh`, which must be Delaunay: greedy walks rely on it.
     pub(crate) fn new(mesh: &Mesh, rings: &[Vec<u16>]) -> Self {
-        let edges = edge_map(&mesh.triangles);
-        let neighbours = |&[a, b, c]: &[u16; 3]| {
-            [(b, a), (c, b), (a, c)].map(|e| edges.get(&e).copied().unwrap_or(0) as u16)
-        };
+        let edges = EdgeMap::new(&mesh.triangles);
+        let neighbours =
+            |&[a, b, c]: &[u16; 3]| [(b, a), (c, b), (a, c)].map(|edge| edges.get(edge).unwrap_or(0) as u16);
         let across = mesh.triangles.iter().map(neighbours).collect();
         let planes = |triangle: &[u16; 3]| {
             let [a, b, c] = triangle.map(|i| mesh.vertices[i as usize]);
@@ -70,8 +70,7 @@ impl Lookup {
                 let middle = corner(0.5, 0.5);
                 near = walk_to_nearest(mesh, rings, near, middle);
                 triangle = lookup.walk(triangle, middle).0;
-                let mut found = seen_from(mesh, rings, near, middle, corners);
-                found.sort_unstable();
+                let found = seen_from(mesh, rings, near, middle, corners);
                 let mut candidates = [found[0]; SLOTS];
                 if found.len() > SLOTS {
                     candidates[SLOTS - 1] = OVERFLOW;
@@ -175,7 +174,7 @@ fn walk_to_nearest(mesh: &Mesh, rings: &[Vec<u16>], start: usize, p: DVec3) -> u
     }
 }
 
-/// Every direction that is nearest to some vector of a cell.
+/// Every direction that is nearest to some vector of a cell, ascending.
 fn seen_from(mesh: &Mesh, rings: &[Vec<u16>], near: usize, middle: DVec3, corners: [DVec3; 4]) -> Vec<u16> {
     let chord = |i: u16, p: DVec3| (mesh.vertices[i as usize] - p).length();
     let middle = middle.normalize();
@@ -199,7 +198,11 @@ fn seen_from(mesh: &Mesh, rings: &[Vec<u16>], near: usize, middle: DVec3, corner
         let difference = mesh.vertices[winner as usize] - mesh.vertices[loser as usize];
         corners.iter().all(|&c| difference.dot(c) > MARGIN)
     };
-    found.iter().copied().filter(|&i| !found.iter().any(|&other| beaten(i, other))).collect()
+    let mut unbeaten = Vec::new();
+    for &i in found.iter().filter(|&&i| !found.iter().any(|&other| beaten(i, other))) {
+        insert(&mut unbeaten, i);
+    }
+    unbeaten
 }
 
 /// Octahedral map of a vector with `|x| + |y| + |z| = 1` to `[-1, 1]²`.

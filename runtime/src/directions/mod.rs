@@ -24,6 +24,7 @@ mod lookup;
 mod solid;
 mod subdivide;
 
+use crate::sorting::insert;
 use glam::{DVec3, Vec3};
 use lookup::Lookup;
 use solid::{Mesh, Solid};
@@ -101,10 +102,9 @@ impl DirectionSet {
         for &[a, b, c] in &mesh.triangles {
             // Closed and counter-clockwise: every edge is met once in each direction.
             for (from, to) in [(a, b), (b, c), (c, a)] {
-                rings[from as usize].push(to);
+                insert(&mut rings[from as usize], to);
             }
         }
-        rings.iter_mut().for_each(|ring| ring.sort_unstable());
         let lookup = Lookup::new(&mesh, &rings);
         let walls = rings.iter().enumerate().map(|(index, ring)| {
             let wall = |&other: &u16| (mesh.vertices[index] - mesh.vertices[usize::from(other)]).normalize();

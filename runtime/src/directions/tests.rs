@@ -86,9 +86,10 @@ fn triangulations_are_closed_and_convex() {
     for name in DIRECTION_SETS {
         let set = set(name);
         assert_eq!(set.triangles().len(), 2 * set.len() - 4, "{name}");
-        let edges = delaunay::edge_map(set.triangles());
-        for (&(a, b), &left) in &edges {
-            let right = edges[&(b, a)];
+        let edges = delaunay::EdgeMap::new(set.triangles());
+        let all = set.triangles().iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+        for (a, b) in all {
+            let (left, right) = (edges.get((a, b)).unwrap(), edges.get((b, a)).unwrap());
             let [pa, pb, pc] = set.triangles()[left as usize].map(|i| set.direction_f64(i as usize));
             assert!(pa.dot(pb.cross(pc)) > 0.0);
             for d in set.triangles()[right as usize] {

@@ -122,7 +122,6 @@ impl Viewer {
             Arriving::Open => {
                 if let Some(open) = &mut self.open {
                     open.receive(at, bytes).map_err(wrong)?;
-                    self.dirty = true;
                 }
                 self.arriving = Arriving::Open;
                 return Ok(true);

@@ -1,37 +1,51 @@
 //! How much a transform enlarges errors.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::DAffine3;
 
-/// The most that a transform stretches any vector: its largest singular value.
-pub(super) fn stretch(transform: &DAffine3) -> f64 {
+/// Sweeps over all off-diagonal elements: each about squares what is left of them, so that four are enough.
+const SWEEPS: usize = 8;
+
+/// The most that a transform stretches any vector: the largest singular value of its linear part. 0 if that is not finite.
+///
+/// An error in mesh space times this is one in tree space, see [`crate::Level::error`].
+pub fn stretch(transform: &DAffine3) -> f64 {
     let m = transform.matrix3;
     let scale = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.abs().max_element());
     let scale = scale.into_iter().fold(0.0, f64::max);
-    if !scale.is_finite() || scale <= 0.0 {
+    if !m.is_finite() || scale <= 0.0 {
         return 0.0;
     }
     let m = m * scale.recip();
-    scale * largest_eigenvalue(&(m.transpose() * m)).max(0.0).sqrt()
+    scale * largest_eigenvalue((m.transpose() * m).to_cols_array_2d()).max(0.0).sqrt()
 }
 
-/// Of a symmetric matrix, in closed form (Smith, *Eigenvalues of a symmetric 3 x 3 matrix*, CACM 1961).
-fn largest_eigenvalue(a: &DMat3) -> f64 {
-    let off = DVec3::new(a.y_axis.x, a.z_axis.x, a.z_axis.y).length_squared();
-    let diagonal = DVec3::new(a.x_axis.x, a.y_axis.y, a.z_axis.z);
-    let mean = diagonal.element_sum() / 3.0;
-    let spread = (((diagonal - mean).length_squared() + 2.0 * off) / 6.0).sqrt();
-    if spread <= mean.abs() * 1e-15 {
-        return diagonal.max_element();
+/// Of a symmetric matrix: Jacobi's rotations, which need no function that differs from machine to machine.
+fn largest_eigenvalue(mut a: [[f64; 3]; 3]) -> f64 {
+    for _ in 0..SWEEPS {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if a[p][q] == 0.0 {
+                continue;
+            }
+            let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+            let tangent = 1f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());
+            let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
+            let sine = tangent * cosine;
+            // Both sides: columns, then rows.
+            for row in &mut a {
+                (row[p], row[q]) = (cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]);
+            }
+            for k in 0..3 {
+                (a[p][k], a[q][k]) = (cosine * a[p][k] - sine * a[q][k], sine * a[p][k] + cosine * a[q][k]);
+            }
+        }
     }
-    let b = (*a - DMat3::from_diagonal(DVec3::splat(mean))) * spread.recip();
-    let angle = (b.determinant() / 2.0).clamp(-1.0, 1.0).acos() / 3.0;
-    mean + 2.0 * spread * angle.cos()
+    a[0][0].max(a[1][1]).max(a[2][2])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DQuat;
+    use glam::{DMat3, DQuat, DVec3};
     use proptest::prelude::*;
 
     proptest! {
