@@ -55,6 +55,8 @@ pub mod proxies;
 #[cfg(feature = "stage")]
 pub mod rig;
 pub mod scene;
+#[cfg(feature = "bake")]
+pub mod serve;
 #[cfg(feature = "stage")]
 pub mod stage;
 #[cfg(feature = "stage")]
