@@ -33,7 +33,7 @@
 //! Without the feature `bake` only what reads and draws is there, and it compiles to WebAssembly.
 
 // What only the bake needs of the modules it shares with the readers.
-#![cfg_attr(not(feature = "bake"), allow(dead_code, reason = "for the bake"))]
+#![cfg_attr(not(feature = "bake"), allow(dead_code, unreachable_pub, reason = "for the bake"))]
 
 pub mod appearance;
 #[cfg(feature = "bake")]
