@@ -13,7 +13,7 @@ use svs_runtime::{BoundsError, Draw, LOOSE, Level, SceneCuller, Selected, Select
 const NONE: u32 = u32::MAX;
 
 /// What an object after the scene's own stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Extra {
     /// The objects of a proxy node.
     Proxy {

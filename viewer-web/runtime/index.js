@@ -161,7 +161,12 @@ export class VisibilityScene {
         const [nodes, meshes] = [walked.objectNodes, walked.objectMeshes].map((numbers) => Uint32Array.from(numbers));
         builder.objects(nodes, meshes, Int32Array.from(walked.instancePlaces), walked.instances);
         builder.meshes(triangles, boxes);
-        return new VisibilityScene(builder.build(), memory, walked);
+        try {
+            return new VisibilityScene(builder.build(), memory, walked);
+        } catch (error) {
+            // The module throws texts.
+            throw error instanceof Error ? error : new Error(String(error));
+        }
     }
 
     /**

@@ -293,7 +293,7 @@ export class SphericalVisibilityPlugin {
      */
     update(camera, renderer) {
         if (this.#root === null) return;
-        if (camera.parent === null) camera.updateMatrixWorld();
+        camera.updateWorldMatrix(true, false);
         this.#root.updateWorldMatrix(true, this.watching || this.#needsLook);
         this.#cull(camera, renderer);
     }

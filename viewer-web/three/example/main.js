@@ -168,7 +168,10 @@ const example = {
     get plugin() { return plugin; },
     get model() { return model; },
     get message() { return element('message').textContent; },
-    figures: () => ({ ...renderer.info.render, ...plugin?.statistics, enabled: plugin?.enabled, baked: plugin?.isBaked }),
+    figures: () => {
+        const { calls, triangles } = renderer.info.render;
+        return { calls, triangles, enabled: plugin?.enabled, baked: plugin?.isBaked, statistics: plugin?.statistics };
+    },
     /** @param {string} url */
     load: (url) => show(loader.loadAsync(url)),
 };
