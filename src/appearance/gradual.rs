@@ -6,12 +6,13 @@ use super::materials::Materials;
 use super::{AppearanceError, objects, textures, wanted};
 use crate::gltf::Document;
 use crate::parallel;
+use crate::scene::alpha_mask::bytes_of;
 use crate::scene::notes::Notes;
 use crate::scene::outline;
 use crate::scene::primitives;
 use crate::scene::{Scene, SceneError};
 use std::collections::BTreeSet;
-use svs_render::{Image, Mesh, SceneData};
+use svs_render::{Mesh, SceneData};
 
 /// What is to be read yet, and how: made from the JSON, before there is any other byte of the file.
 #[derive(Debug)]
@@ -132,11 +133,9 @@ impl Gradual {
         }
     }
 
-    /// Gives an image of the data its texels, decoded elsewhere; one of another size than its texels is left out.
-    pub fn set_image(&self, place: u32, image: Image, data: &mut SceneData) {
-        let fits = u64::from(image.width) * u64::from(image.height) * 4 == image.rgba.len() as u64;
-        if let Some(slot) = data.images.get_mut(place as usize).filter(|_| fits && image.width > 0) {
-            *slot = image;
-        }
+    /// The encoded bytes of an image of the data, if they are there: for a decoder elsewhere.
+    pub fn image_bytes<'a>(&self, doc: &'a Document, place: u32) -> Option<std::borrow::Cow<'a, [u8]>> {
+        bytes_of(doc, *self.image_sources().get(place as usize)?).ok()
     }
+
 }

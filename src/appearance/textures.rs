@@ -2,9 +2,10 @@
 
 use crate::gltf::Document;
 use crate::parallel;
-use crate::scene::alpha_mask::{Unreadable, bytes_of, decode, image_of, texels, wrap_modes};
+use crate::scene::alpha_mask::{Unreadable, bytes_of, image_of, wrap_modes};
 use crate::scene::json::index;
 use crate::scene::notes::Notes;
+use crate::scene::pixels::{rgba, texels};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use svs_render::{Filter, Image, Sampler, TextureRef, Wrap};
@@ -82,8 +83,8 @@ pub(super) fn images(doc: &Document, used: BTreeSet<usize>, notes: &mut Notes) -
         }
     }
     let decoded = parallel::map(&chosen, |&image| {
-        let decoded = decode(&bytes_of(doc, image)?)?.into_rgba8();
-        Ok(Image { width: decoded.width(), height: decoded.height(), rgba: decoded.into_raw() })
+        let (width, height, rgba) = rgba(&bytes_of(doc, image)?)?;
+        Ok(Image { width, height, rgba })
     });
     let (mut sources, mut images) = (Vec::new(), Vec::new());
     for (image, decoded) in chosen.into_iter().zip(decoded) {

@@ -12,6 +12,7 @@ mod meshes;
 mod nodes;
 pub(crate) mod outline;
 pub(crate) mod notes;
+pub(crate) mod pixels;
 pub(crate) mod places;
 pub(crate) mod primitives;
 pub mod read;

@@ -206,11 +206,18 @@ impl Loader {
     /// [`StreamError`] if the stage is not the one of [`Self::open`].
     pub fn fill(&self, ready: &Ready, stage: &mut Stage) -> Result<(), StreamError> {
         if let Some(gradual) = &self.gradual {
+            // Where there is a decoder; see `image_bytes`.
             gradual.fill_images(&self.document, &ready.images, &mut stage.data);
             let filled = gradual.fill(&self.document, &ready.meshes, &mut stage.data);
             filled.map_err(crate::stage::StageError::from)?;
         }
         Ok(())
+    }
+
+    /// The encoded bytes of an image that is ready: for a decoder elsewhere. What it makes of them goes to
+    /// [`svs_render::SceneData::images`].
+    pub fn image_bytes(&self, place: u32) -> Option<std::borrow::Cow<'_, [u8]>> {
+        self.gradual.as_ref()?.image_bytes(&self.document, place)
     }
 
     /// Everything has been read.

@@ -1,5 +1,6 @@
 // The page: puts canvas, module, controls and files together.
 
+import { imageDecoder } from './images.js';
 import { listen } from './input.js';
 import { LoadError, load } from './load.js';
 import { megabytes } from './format.js';
@@ -157,6 +158,7 @@ function run() {
     key,
     click: (x, y) => viewer.pick(Math.floor(x), Math.floor(y)),
   });
+  const decodeImages = imageDecoder(viewer);
   let before = performance.now();
   let shown = 0;
   let stale = false;
@@ -165,6 +167,7 @@ function run() {
       advance((time - before) / 1000);
       before = time;
       stale = viewer.frame(time) || stale;
+      decodeImages().catch(fail);
       const picked = viewer.picked();
       if (picked !== undefined) panel.select(picked < 0 ? null : picked);
       if (stale) {

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use svs::stage::{Extra, Stage};
 use svs::stream::{Loader, StreamError, priorities};
-use svs_render::{Gpu, GpuScene, RenderError, View};
+use svs_render::{Gpu, GpuScene, Image, RenderError, View};
 
 /// Bytes that must have come since the last upload before the next one: it costs about as much as drawing some frames.
 const STEP: u64 = 384 << 10;
@@ -24,6 +24,10 @@ pub(crate) struct Open {
     read: Vec<bool>,
     uploaded: u64,
     fresh: u64,
+    /// Encoded images that the page has yet to decode.
+    undecoded: Vec<(u32, Vec<u8>)>,
+    /// Images of which the page has not said yet what is in them.
+    pub(crate) awaited: usize,
     pub(crate) gpu_scene: Option<GpuScene>,
     pub(crate) hidden: BTreeSet<u32>,
 }
@@ -36,10 +40,12 @@ impl Open {
         let (mut stage, gradual): (Stage, Gradual) = Stage::outline(&doc).map_err(|error| text(&error))?;
         let meshes: Vec<u32> = (0..stage.data.meshes.len() as u32).collect();
         gradual.fill(&doc, &meshes, &mut stage.data).map_err(|error| text(&error))?;
-        let images: Vec<u32> = (0..stage.data.images.len() as u32).collect();
-        gradual.fill_images(&doc, &images, &mut stage.data);
+        let images = 0..stage.data.images.len() as u32;
+        let images: Vec<(u32, Vec<u8>)> =
+            images.filter_map(|place| Some((place, gradual.image_bytes(&doc, place)?.into_owned()))).collect();
         let read = vec![true; stage.data.meshes.len()];
         let mut open = Self::new(stage, None, Vec::new(), read);
+        (open.awaited, open.undecoded) = (images.len(), images);
         open.upload(gpu).map_err(|error| text(&error))?;
         Ok(open)
     }
@@ -54,7 +60,18 @@ impl Open {
 
     fn new(stage: Stage, loader: Option<Loader>, mesh_bytes: Vec<u64>, read: Vec<bool>) -> Self {
         let (gpu_scene, hidden) = (None, BTreeSet::new());
-        Self { stage, loader, mesh_bytes, read, uploaded: 0, fresh: 0, gpu_scene, hidden }
+        Self {
+            stage,
+            loader,
+            mesh_bytes,
+            read,
+            uploaded: 0,
+            fresh: 0,
+            undecoded: Vec::new(),
+            awaited: 0,
+            gpu_scene,
+            hidden,
+        }
     }
 
     /// Bytes are still to come.
@@ -85,11 +102,16 @@ impl Open {
         let Some(loader) = &mut self.loader else { return Ok(false) };
         let ready = loader.ready();
         loader.fill(&ready, &mut self.stage).map_err(|error| error.to_string())?;
+        for &place in &ready.images {
+            if let Some(bytes) = loader.image_bytes(place) {
+                self.undecoded.push((place, bytes.into_owned()));
+                self.awaited += 1;
+            }
+        }
         for &mesh in &ready.meshes {
             self.read[mesh as usize] = true;
             self.fresh += self.mesh_bytes.get(mesh as usize).copied().unwrap_or(0);
         }
-        // An image is worth an upload as its meshes are.
         let done = loader.is_done();
         let due = self.fresh >= STEP && self.fresh as f64 >= self.uploaded as f64 * GROWTH;
         if !(done || due) {
@@ -98,6 +120,28 @@ impl Open {
         self.uploaded += std::mem::take(&mut self.fresh);
         if done {
             self.loader = None;
+        }
+        self.upload(gpu).map_err(|error| error.to_string())?;
+        Ok(true)
+    }
+
+    /// The next image to be decoded: its place and its bytes.
+    pub(crate) fn next_image(&mut self) -> Option<(u32, Vec<u8>)> {
+        self.undecoded.pop()
+    }
+
+    /// Takes a decoded image (`None`: it could not be decoded, and stays white) and uploads when all are there.
+    pub(crate) fn set_image(&mut self, gpu: &Gpu, place: u32, image: Option<Image>) -> Result<bool, String> {
+        let fits = |image: &Image| {
+            let texels = u64::from(image.width) * u64::from(image.height);
+            texels > 0 && texels * 4 == image.rgba.len() as u64
+        };
+        if let (Some(slot), Some(image)) = (self.stage.data.images.get_mut(place as usize), image.filter(fits)) {
+            *slot = image;
+        }
+        self.awaited = self.awaited.saturating_sub(1);
+        if self.awaited > 0 || self.loader.is_some() {
+            return Ok(false);
         }
         self.upload(gpu).map_err(|error| error.to_string())?;
         Ok(true)

@@ -10,7 +10,7 @@ use serde_json::json;
 use svs::rig::{Motion, Rig};
 use svs::stage::Method;
 use svs::stream::{Head, Loader};
-use svs_render::{Frame, Gpu, View, wgpu};
+use svs_render::{Frame, Gpu, Image, View, wgpu};
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
@@ -33,6 +33,30 @@ pub struct Viewer {
     continuous: bool,
     pick: Option<Pick>,
     arriving: Arriving,
+    files: u32,
+}
+
+/// An image that the browser decodes: it has decoders for all formats of glTF.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Undecoded {
+    place: u32,
+    bytes: Vec<u8>,
+}
+
+#[wasm_bindgen]
+impl Undecoded {
+    /// What it is to the viewer.
+    #[wasm_bindgen(getter)]
+    pub fn place(&self) -> u32 {
+        self.place
+    }
+
+    /// The file.
+    #[wasm_bindgen(getter)]
+    pub fn bytes(&self) -> Vec<u8> {
+        self.bytes.clone()
+    }
 }
 
 /// A file on its way.
@@ -84,6 +108,7 @@ impl Viewer {
             continuous: false,
             pick: None,
             arriving: Arriving::Nothing,
+            files: 0,
         })
     }
 
@@ -164,7 +189,35 @@ impl Viewer {
 
     /// There is more to show than the last frame did.
     pub fn pending(&self) -> bool {
-        self.dirty || self.pick.is_some() || self.motion.moves()
+        let awaits = self.open.as_ref().is_some_and(|open| open.awaited > 0);
+        self.dirty || self.pick.is_some() || self.motion.moves() || awaits
+    }
+
+    /// The next image that the page is to decode: its place, and its encoded bytes.
+    pub fn next_image(&mut self) -> Option<Undecoded> {
+        let (place, bytes) = self.open.as_mut()?.next_image()?;
+        Some(Undecoded { place, bytes })
+    }
+
+    /// Takes a decoded image, four bytes a texel, rows from the top; without texels it stays white. An image of a file that is
+    /// not open any more must not come: tell it by [`Self::file`].
+    ///
+    /// # Errors
+    /// When the GPU has no room for it.
+    pub fn set_image(&mut self, place: u32, width: u32, height: u32, rgba: Option<Vec<u8>>) -> Result<(), JsError> {
+        let image = rgba.map(|rgba| Image { width, height, rgba });
+        if let Some(open) = &mut self.open
+            && open.set_image(&self.gpu, place, image).map_err(wrong)?
+        {
+            self.painter.forget_tints();
+            self.dirty = true;
+        }
+        Ok(())
+    }
+
+    /// Counts the files that were opened.
+    pub fn file(&self) -> u32 {
+        self.files
     }
 
     fn put(&mut self, open: Open) {
@@ -173,6 +226,7 @@ impl Viewer {
         self.rig = Rig::new(min, max);
         self.rig.frame(None, self.aspect());
         self.open = Some(open);
+        self.files += 1;
         self.controls.selected = None;
         self.controls.freeze = false;
         self.painter.forget_tints();
