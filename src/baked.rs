@@ -1,9 +1,8 @@
 //! The baked file as a user of the runtime has it: decoded trees, placed in the scene, and their culler.
 
-use crate::bake::subject::box_in_tree;
-use crate::bake::tree::Aabb;
 use crate::gltf::{Document, DocumentTables};
 use crate::scene::{ReadOptions, Role, Scene, SceneError, read_scene};
+use crate::volume::{Aabb, box_in_tree};
 use glam::{DAffine3, DVec3, Vec3};
 use serde::Deserialize;
 use serde_json::Value;
@@ -61,8 +60,9 @@ struct Anchor {
 
 impl Baked {
     /// Decodes the extension of `doc` and reads the scene that its first tree with a scene names, else the default
-    /// one. If nothing but its proxies is broken, they are left out, see [`Self::broken_proxies`].
-    pub(crate) fn read(doc: &Document) -> Result<(Scene, Self), BakedError> {
+    /// one, as an `outline` if so asked (see [`ReadOptions::outline`]). If nothing but its proxies is broken, they are left
+    /// out, see [`Self::broken_proxies`].
+    pub(crate) fn read(doc: &Document, outline: bool) -> Result<(Scene, Self), BakedError> {
         let json = doc.json.get("extensions").and_then(|all| all.get(EXTENSION_NAME));
         let json = json.ok_or(BakedError::NotBaked)?;
         let (extension, visibility, broken_proxies) = match decode(doc, json) {
@@ -77,7 +77,7 @@ impl Baked {
         };
         let index = extension.trees.iter().find_map(|tree| tree.scene);
         let index = index.map(|index| index as usize);
-        let scene = read_scene(doc, &ReadOptions { scene: index, ..ReadOptions::default() })?;
+        let scene = read_scene(doc, &ReadOptions { scene: index, outline, ..ReadOptions::default() })?;
         let node_of: HashMap<usize, usize> =
             scene.nodes.iter().enumerate().map(|(place, node)| (node.node, place)).collect();
         let place = |placement: &Placement| match placement {
@@ -217,7 +217,7 @@ impl Baked {
     }
 
     /// Default settings: at the recommended quality, if there is one.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
+    #[cfg_attr(not(feature = "stage"), expect(dead_code, reason = "for drawing"))]
     pub(crate) fn settings(&self) -> Settings {
         self.recommended().map_or_else(Settings::default, Settings::from_quality)
     }

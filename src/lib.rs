@@ -28,23 +28,43 @@
 //! - [`generate`] makes the sample scenes.
 //! - [`camera_path`] is where a camera goes.
 //! - [`appearance`] reads how a scene looks.
-//! - With the feature `render`, `stage` opens a file for drawing, and `view` shows it
-//!   in a window.
+//! - With the feature `stage`, `stage` opens a file for drawing; with `render`, `view` shows it in a window.
+//!
+//! Without the feature `bake` only what reads and draws is there, and it compiles to WebAssembly.
+
+// What only the bake needs of the modules it shares with the readers.
+#![cfg_attr(not(feature = "bake"), allow(dead_code, unreachable_pub, reason = "for the bake"))]
 
 pub mod appearance;
+#[cfg(feature = "bake")]
 pub mod bake;
+#[cfg(any(feature = "bake", feature = "stage"))]
 mod baked;
+#[cfg(feature = "bake")]
 pub mod camera_path;
 #[cfg(feature = "render")]
 pub mod evaluate;
+#[cfg(feature = "bake")]
 pub mod generate;
 pub mod gltf;
+#[cfg(feature = "bake")]
 pub mod hidden;
+mod parallel;
+#[cfg(feature = "bake")]
 pub mod proxies;
+#[cfg(feature = "stage")]
+pub mod rig;
 pub mod scene;
-#[cfg(feature = "render")]
+#[cfg(feature = "bake")]
+pub mod serve;
+#[cfg(feature = "stage")]
 pub mod stage;
+#[cfg(feature = "stage")]
+pub mod stream;
+#[cfg(feature = "bake")]
 pub mod validate;
+#[cfg(feature = "bake")]
 pub mod verify;
 #[cfg(feature = "render")]
 pub mod view;
+pub mod volume;

@@ -183,9 +183,12 @@ fn filled_buffer(
     });
     gpu.queue.write_buffer(&buffer, 0, content);
     gpu.queue.submit([]);
-    // Returns at once in browsers.
-    gpu.device
-        .poll(wgpu::PollType::wait_indefinitely())
-        .map_err(|error| RenderError::Lost(error.to_string()))?;
+    // Browsers cannot wait, and free copies by themselves.
+    let poll = if cfg!(target_arch = "wasm32") {
+        wgpu::PollType::Poll
+    } else {
+        wgpu::PollType::wait_indefinitely()
+    };
+    gpu.device.poll(poll).map_err(|error| RenderError::Lost(error.to_string()))?;
     Ok(buffer)
 }

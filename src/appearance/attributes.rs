@@ -2,10 +2,10 @@
 
 use super::materials::Materials;
 use crate::gltf::{AccessorKind, Document};
+use crate::parallel;
 use crate::scene::notes::Notes;
 use crate::scene::primitives::{Plan, Primitive};
 use glam::Vec4;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -33,9 +33,14 @@ pub(super) struct Attributes {
 }
 
 impl Attributes {
+    /// Nothing decoded, nothing refused.
+    pub(super) fn plain() -> Self {
+        Self { shared: BTreeMap::new(), refused: BTreeSet::new() }
+    }
+
     /// Looks at all attributes of the plan and decodes what meshes share.
     pub(super) fn read(doc: &Document, plan: &Plan, materials: &Materials, notes: &mut Notes) -> Self {
-        let mut attributes = Self { shared: BTreeMap::new(), refused: BTreeSet::new() };
+        let mut attributes = Self::plain();
         let mut user: BTreeMap<usize, usize> = BTreeMap::new();
         let mut shared = BTreeSet::new();
         let mut elements_left = doc.buffer_bytes().saturating_mul(64).saturating_add(FREE_ELEMENTS);
@@ -63,8 +68,8 @@ impl Attributes {
         // The plan has bounded the positions.
         shared.extend(plan.shared_positions.keys());
         let shared: Vec<usize> = shared.into_iter().collect();
-        let decoded = shared.par_iter().filter_map(|&accessor| Some((accessor, decode(doc, accessor)?)));
-        attributes.shared = decoded.collect::<Vec<_>>().into_iter().collect();
+        let decoded = parallel::map(&shared, |&accessor| Some((accessor, decode(doc, accessor)?)));
+        attributes.shared = decoded.into_iter().flatten().collect();
         attributes
     }
 

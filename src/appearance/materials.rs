@@ -17,6 +17,8 @@ const GLASS: f32 = 0.25;
 pub(super) struct Materials {
     pub(super) materials: Vec<Material>,
     pub(super) images: Vec<Image>,
+    /// For each image its index in the file.
+    pub(super) image_sources: Vec<usize>,
     /// Place in `materials` by index in the file (`None`: the default material).
     places: BTreeMap<Option<usize>, u32>,
     /// For each material, the texture coordinates of its textures.
@@ -30,10 +32,11 @@ pub(super) type Mapping = (usize, UvTransform);
 const SLOTS: [&str; 3] = ["base colour", "metallic and roughness", "emissive"];
 
 impl Materials {
-    /// Reads the materials `used`.
+    /// Reads the materials `used`; their images may come `later`.
     pub(super) fn read(
         doc: &Document,
         used: impl Iterator<Item = Option<usize>>,
+        later: bool,
         notes: &mut Notes,
     ) -> Materials {
         let mut out = Materials::default();
@@ -43,8 +46,8 @@ impl Materials {
             sources.insert(material, json.unwrap_or(&Value::Null));
         }
         let infos = sources.values().flat_map(|json| slots(json)).flatten();
-        let (textures, images) = Textures::read(doc, infos, notes);
-        out.images = images;
+        let (textures, images, image_sources) = Textures::read(doc, infos, later, notes);
+        (out.images, out.image_sources) = (images, image_sources);
         for (index, json) in sources {
             out.places.insert(index, out.materials.len() as u32);
             let mut material = material(json);

@@ -6,18 +6,21 @@
 
 mod attributes;
 mod geometry;
+mod gradual;
 mod materials;
 #[cfg(test)]
 mod tests;
 mod textures;
 
 use crate::gltf::Document;
+use crate::parallel;
 use crate::scene::notes::Notes;
 use crate::scene::{Note, Scene, SceneError, json, primitives};
+pub use gradual::Gradual;
+
 use attributes::Attributes;
 use geometry::Geometry;
 use materials::Materials;
-use rayon::prelude::*;
 use svs_render::{Mesh, Object, SceneData};
 
 /// A scene as the renderer takes it.
@@ -67,34 +70,45 @@ pub fn read(doc: &Document, scene: &Scene) -> Result<Appearance, AppearanceError
 /// [`AppearanceError`], also if one of `more` is not there or is broken.
 pub fn read_with(doc: &Document, scene: &Scene, more: &[u32]) -> Result<Appearance, AppearanceError> {
     let mut notes = Notes::default();
-    let mut wanted = gltf_meshes(doc, scene)?;
-    let (own, count) = (wanted.len(), json::array(&doc.json, "meshes", "")?.len());
-    for &mesh in more {
-        let mesh = mesh as usize;
-        wanted.push(Some(mesh).filter(|&mesh| mesh < count).ok_or(AppearanceError::NoMesh { mesh })?);
-    }
+    let wanted = wanted(doc, scene, more)?;
+    let own = wanted.len() - more.len();
     let plan = primitives::plan(doc, &wanted, &mut Notes::default())?;
     let primitives = || plan.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    let materials = Materials::read(doc, primitives().map(|primitive| primitive.material), &mut notes);
+    let materials = Materials::read(doc, primitives().map(|primitive| primitive.material), false, &mut notes);
     let attributes = Attributes::read(doc, &plan, &materials, &mut notes);
     let geometry = Geometry { doc, materials: &materials, attributes: &attributes };
-    let read: Vec<(Mesh, Notes)> = plan.meshes.par_iter().map(|mesh| geometry.mesh(mesh)).collect();
+    let read = parallel::map(&plan.meshes, |mesh| geometry.mesh(mesh));
     let mut meshes = Vec::with_capacity(read.len() + 1);
     for (mesh, mesh_notes) in read {
         meshes.push(mesh);
         notes.append(mesh_notes);
     }
-    let nothing = own as u32;
     meshes.insert(own, Mesh::default());
-    let object = |object: &crate::scene::Object| Object {
-        mesh: if object.hidden { nothing } else { object.mesh },
-        to_world: object.to_world,
-    };
-    let objects = scene.objects.iter().map(object).collect();
+    let objects = objects(scene, own as u32);
     let gltf_materials = materials.sources();
     let Materials { materials, images, .. } = materials;
     let data = SceneData { meshes, materials, images, objects };
     Ok(Appearance { data, gltf_materials, notes: notes.into_vec() })
+}
+
+/// The objects of a scene, those that are not to be drawn with the mesh `nothing`.
+fn objects(scene: &Scene, nothing: u32) -> Vec<Object> {
+    let object = |object: &crate::scene::Object| Object {
+        mesh: if object.hidden { nothing } else { object.mesh },
+        to_world: object.to_world,
+    };
+    scene.objects.iter().map(object).collect()
+}
+
+/// The glTF mesh of each mesh of the scene, then `more`.
+fn wanted(doc: &Document, scene: &Scene, more: &[u32]) -> Result<Vec<usize>, AppearanceError> {
+    let mut wanted = gltf_meshes(doc, scene)?;
+    let count = json::array(&doc.json, "meshes", "")?.len();
+    for &mesh in more {
+        let mesh = mesh as usize;
+        wanted.push(Some(mesh).filter(|&mesh| mesh < count).ok_or(AppearanceError::NoMesh { mesh })?);
+    }
+    Ok(wanted)
 }
 
 /// The glTF mesh of each mesh of the scene.

@@ -1,10 +1,11 @@
 //! Textures: samplers, and images decoded once each, within bounds.
 
 use crate::gltf::Document;
-use crate::scene::alpha_mask::{Unreadable, bytes_of, decode, image_of, texels, wrap_modes};
+use crate::parallel;
+use crate::scene::alpha_mask::{Unreadable, bytes_of, image_of, wrap_modes};
 use crate::scene::json::index;
 use crate::scene::notes::Notes;
-use rayon::prelude::*;
+use crate::scene::pixels::{rgba, texels};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use svs_render::{Filter, Image, Sampler, TextureRef, Wrap};
@@ -19,12 +20,14 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    /// Reads the textures that these `textureInfo` objects name.
+    /// Reads the textures that these `textureInfo` objects name, with their images, or (`later`) white texels in their
+    /// stead; and the glTF image of each image.
     pub(super) fn read<'a>(
         doc: &Document,
         infos: impl Iterator<Item = &'a Value>,
+        later: bool,
         notes: &mut Notes,
-    ) -> (Textures, Vec<Image>) {
+    ) -> (Textures, Vec<Image>, Vec<usize>) {
         let count = doc.json.get("textures").and_then(Value::as_array).map_or(0, Vec::len);
         let used: BTreeSet<usize> = infos.filter_map(texture_index).collect();
         let mut image_of_texture: BTreeMap<usize, usize> = BTreeMap::new();
@@ -35,12 +38,22 @@ impl Textures {
                 None => note(Unreadable::Data, format!("/textures/{texture}"), notes),
             }
         }
-        let (places, images) = images(doc, image_of_texture.values().copied().collect(), notes);
+        let used: BTreeSet<usize> = image_of_texture.values().copied().collect();
+        let (sources, images) = if later {
+            let white = Image { width: 1, height: 1, rgba: vec![255; 4] };
+            let sources: Vec<usize> = used.into_iter().collect();
+            let images = vec![white; sources.len()];
+            (sources, images)
+        } else {
+            images(doc, used, notes)
+        };
+        let places: BTreeMap<usize, u32> =
+            sources.iter().enumerate().map(|(place, &image)| (image, place as u32)).collect();
         let textures = image_of_texture.into_iter().filter_map(|(texture, image)| {
             let sampler = sampler(doc, texture);
             Some((texture, TextureRef { image: *places.get(&image)?, sampler }))
         });
-        (Textures { by_index: textures.collect() }, images)
+        (Textures { by_index: textures.collect() }, images, sources)
     }
 
     /// The texture of a `textureInfo`, if it can be used.
@@ -53,8 +66,8 @@ fn texture_index(info: &Value) -> Option<usize> {
     index(info.get("index")?, String::new).ok()
 }
 
-/// Decodes images; gives the place of each that could be read.
-fn images(doc: &Document, used: BTreeSet<usize>, notes: &mut Notes) -> (BTreeMap<usize, u32>, Vec<Image>) {
+/// Decodes images; those that can be read, and which they are.
+pub(super) fn images(doc: &Document, used: BTreeSet<usize>, notes: &mut Notes) -> (Vec<usize>, Vec<Image>) {
     // Sizes first and one after the other, so that it does not depend on threads which images find room.
     let mut texels_left = MAX_TOTAL_TEXELS;
     let mut chosen = Vec::new();
@@ -69,24 +82,21 @@ fn images(doc: &Document, used: BTreeSet<usize>, notes: &mut Notes) -> (BTreeMap
             Err(reason) => note(reason, format!("/images/{image}"), notes),
         }
     }
-    let decoded: Vec<Result<Image, Unreadable>> = chosen
-        .par_iter()
-        .map(|&image| {
-            let decoded = decode(&bytes_of(doc, image)?)?.into_rgba8();
-            Ok(Image { width: decoded.width(), height: decoded.height(), rgba: decoded.into_raw() })
-        })
-        .collect();
-    let (mut places, mut images) = (BTreeMap::new(), Vec::new());
+    let decoded = parallel::map(&chosen, |&image| {
+        let (width, height, rgba) = rgba(&bytes_of(doc, image)?)?;
+        Ok(Image { width, height, rgba })
+    });
+    let (mut sources, mut images) = (Vec::new(), Vec::new());
     for (image, decoded) in chosen.into_iter().zip(decoded) {
         match decoded {
             Ok(decoded) => {
-                places.insert(image, images.len() as u32);
+                sources.push(image);
                 images.push(decoded);
             }
             Err(reason) => note(reason, format!("/images/{image}"), notes),
         }
     }
-    (places, images)
+    (sources, images)
 }
 
 fn note(reason: Unreadable, pointer: String, notes: &mut Notes) {

@@ -1,8 +1,9 @@
 //! Splits a scene into the trees to bake: what stands still, and each subtree that moves on its own.
 
-use super::tree::{Aabb, Group, Member, Part};
-use crate::scene::{Mesh, Role, Scene};
-use glam::{DAffine3, DVec3};
+use super::tree::{Group, Member, Part};
+use crate::scene::{Role, Scene};
+pub use crate::volume::box_in_tree;
+use glam::DAffine3;
 
 /// What a tree hangs on.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -118,22 +119,4 @@ fn groups(scene: &Scene, anchor: Option<u32>, objects: &[u32]) -> Vec<Group> {
         };
     }
     groups
-}
-
-/// The box a loader computes: all eight corners of the mesh's box, transformed.
-pub fn box_in_tree(mesh: &Mesh, to_tree: &DAffine3) -> Aabb {
-    if !mesh.min.cmple(mesh.max).all() {
-        return Aabb::EMPTY;
-    }
-    let mut bounds = Aabb::EMPTY;
-    for corner in 0..8 {
-        let pick = |bit: u32, low: f64, high: f64| if corner & bit == 0 { low } else { high };
-        let corner = to_tree.transform_point3(DVec3::new(
-            pick(1, mesh.min.x, mesh.max.x),
-            pick(2, mesh.min.y, mesh.max.y),
-            pick(4, mesh.min.z, mesh.max.z),
-        ));
-        bounds = bounds.union(&Aabb { min: corner, max: corner });
-    }
-    bounds
 }

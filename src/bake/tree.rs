@@ -1,25 +1,8 @@
 //! Data passed between the stages of a bake of one tree.
 
-use glam::{DAffine3, DVec3};
+pub use crate::volume::{Aabb, Sphere};
+use glam::DAffine3;
 use std::ops::Range;
-
-/// Axis-aligned box, metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Aabb {
-    /// Smallest corner.
-    pub min: DVec3,
-    /// Largest corner.
-    pub max: DVec3,
-}
-
-/// Bounding sphere, metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sphere {
-    /// Centre.
-    pub center: DVec3,
-    /// Radius, not negative.
-    pub radius: f64,
-}
 
 /// Geometry that belongs to a member: one mesh, placed.
 #[derive(Clone, Copy, Debug)]
@@ -74,26 +57,6 @@ pub struct HierarchyNode {
     pub subtree: u32,
     /// Places in [`Hierarchy::order`] below this node.
     pub members: Range<u32>,
-}
-
-impl Aabb {
-    /// The box of nothing: any point extends it.
-    pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
-
-    /// Contains no point.
-    pub fn is_empty(&self) -> bool {
-        !(self.min.cmple(self.max).all())
-    }
-
-    /// Smallest box that holds both.
-    pub fn union(&self, other: &Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
-
-    /// Middle of the box.
-    pub fn center(&self) -> DVec3 {
-        (self.min + self.max) * 0.5
-    }
 }
 
 impl Hierarchy {

@@ -57,6 +57,7 @@ pub(crate) enum Command {
     #[cfg(feature = "render")]
     Evaluate(super::evaluate::Evaluate),
     Sample(Sample),
+    Serve(super::serve::Serve),
     Strip(Strip),
     #[cfg(feature = "render")]
     View(View),
@@ -64,7 +65,7 @@ pub(crate) enum Command {
 
 /// Bake a scene: adds visibility to a copy of IN
 ///
-/// Everything else in the file stays as it is, byte for byte. An earlier bake is replaced.
+/// Everything else in the file stays as it is, byte for byte (but see --layout). An earlier bake is replaced.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -108,9 +109,23 @@ pub(crate) struct Build {
     pub(crate) hidden: super::hidden::Hidden,
     #[command(flatten)]
     pub(crate) proxies: Proxies,
+    /// Order of the data in a .glb. stream: as a viewer that loads by ranges wants it, most important first, with a
+    /// compressed copy of the JSON; `byteOffset` of the file's buffer views changes with it, and nothing else does
+    #[arg(long, value_enum, value_name = "LAYOUT", default_value_t)]
+    pub(crate) layout: LayoutName,
     /// Write the full report to this file too
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
+}
+
+/// Orders of the data.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LayoutName {
+    /// As it was, what is added last
+    #[default]
+    Keep,
+    /// As it is wanted
+    Stream,
 }
 
 /// Simplified stand-ins for groups of objects. Viewers that do not know the extension do not see them.

@@ -1,6 +1,6 @@
 //! `svs build`: bakes a scene.
 
-use super::args::{Build, Common};
+use super::args::{Build, Common, LayoutName};
 use super::error::Failure;
 use super::options::BuildOptions;
 use super::output::{self, bytes, count, counted, number, percent, ratio};
@@ -11,6 +11,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
 use svs::bake::BakeReport;
+use svs::gltf::{Container, Document};
 use svs::hidden::HiddenReport;
 use svs::proxies::{LodReport, ProxyReport};
 
@@ -22,6 +23,15 @@ pub(crate) fn run(args: &Build, common: &Common) -> Result<(), Failure> {
     let hidden = hidden::apply(&args.hidden, &mut document, &options.input, &bars)?;
     let report = svs::bake::build(&mut document, &options.bake, &bars)
         .map_err(|error| Failure::doing("bake", &options.input, &error))?;
+    if args.layout == LayoutName::Stream {
+        let failed = |error: &dyn std::error::Error| Failure::doing("arrange", &options.input, error);
+        // As written: what came from a .gltf has its buffers elsewhere still.
+        if document.container() != Container::Glb {
+            let glb = document.to_glb().map_err(|error| failed(&error))?;
+            document = Document::from_glb(&glb).map_err(|error| failed(&error))?;
+        }
+        svs::stream::arrange(&mut document).map_err(|error| failed(&error))?;
+    }
     file::write(&document, &options.output)?;
     bars.clear();
     let seconds = start.elapsed().as_secs_f64();

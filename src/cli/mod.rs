@@ -22,6 +22,7 @@ mod progress;
 #[cfg(feature = "render")]
 mod render;
 mod sample;
+mod serve;
 mod strip;
 mod tree_weights;
 mod validate;
@@ -62,6 +63,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         #[cfg(feature = "render")]
         Command::Evaluate(args) => evaluate::run(args, &cli.common),
         Command::Sample(args) => sample::run(args, &cli.common),
+        Command::Serve(args) => serve::run(args, &cli.common),
         Command::Strip(args) => strip::run(args, &cli.common),
         #[cfg(feature = "render")]
         Command::View(args) => view::run(args),

@@ -1,9 +1,10 @@
 //! What the arguments of `svs build` mean: checked, and in the library's own types.
 
-use super::args::{Build, HierarchyName, Proxies, ProxiesName, ProxyFormatName, QualityName, SpheresName};
+use super::args::{Build, HierarchyName, LayoutName, Proxies, ProxiesName, ProxyFormatName, QualityName, SpheresName};
 use super::error::Failure;
 use super::file;
 use std::path::PathBuf;
+use svs::gltf::Container;
 use svs::bake::hierarchy::HierarchyKind;
 use svs::bake::spheres::SphereKind;
 use svs::bake::{BakeOptions, HierarchyChoice, Quality};
@@ -31,6 +32,11 @@ impl TryFrom<&Build> for BuildOptions {
                 )));
             }
             file::check_folder(report)?;
+        }
+        if args.layout == LayoutName::Stream && Container::from_path(&args.output) != Some(Container::Glb) {
+            return Err(Failure::Usage(
+                "--layout stream is for one file with everything in it; name the output .glb".to_owned(),
+            ));
         }
         if args.proxies.msft_lod && matches!(args.proxies.proxies, ProxiesName::Off) {
             return Err(Failure::Usage(

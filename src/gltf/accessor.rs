@@ -94,6 +94,41 @@ impl Document {
         Ok(Accessor { index, count, component_type, kind, normalized, json, base, sparse })
     }
 
+    /// Where an accessor's data lie: buffers and ranges of them, of a sparse accessor several.
+    ///
+    /// # Errors
+    /// As [`Self::accessor`].
+    pub fn accessor_ranges(
+        &self,
+        index: usize,
+    ) -> Result<Vec<(usize, std::ops::Range<usize>)>, AccessorError> {
+        let at = Place { pointer: format!("/accessors/{index}") };
+        let json = json::array(&self.json, "accessors").get(index);
+        let json = json.ok_or_else(|| AccessorError::Missing { pointer: at.pointer.clone() })?;
+        let mut ranges = Vec::new();
+        if json.get("bufferView").is_some() {
+            let view = at.index(json, "bufferView", None)?;
+            let (buffer, range) = self.buffer_view_range(view)?;
+            let offset = at.index(json, "byteOffset", Some(0))?;
+            let count = at.index(json, "count", None)?;
+            let kind = json.get("type").and_then(Value::as_str).and_then(AccessorKind::from_name);
+            let kind = kind.ok_or_else(|| at.malformed("type", "a type"))?;
+            let element = kind.element_size(at.component_type(json)?);
+            let stride = self.stride(view)?.unwrap_or(element);
+            let bytes = self.buffer_view(view)?;
+            at.tail(bytes, offset, count, stride, element)?;
+            let length = count.checked_sub(1).map_or(0, |last| last * stride + element);
+            ranges.push((buffer, range.start + offset..range.start + offset + length));
+        }
+        for key in ["indices", "values"] {
+            let view = json.get("sparse").and_then(|sparse| sparse.get(key)?.get("bufferView"));
+            if let Some(view) = view.and_then(json::index) {
+                ranges.push(self.buffer_view_range(view)?);
+            }
+        }
+        Ok(ranges)
+    }
+
     fn sparse(
         &self,
         at: &Place,

@@ -3,7 +3,7 @@
 use super::buffers::{self, BufferStorage};
 use super::error::{AccessorError, ReadError, UriError};
 use super::glb::{self, Chunk};
-use super::write::JsonStyle;
+use super::style::JsonStyle;
 use super::{json, uri};
 use serde_json::Value;
 use std::borrow::Cow;
@@ -203,6 +203,19 @@ impl Document {
             needed: (offset as u64).saturating_add(length as u64),
             available: bytes.len() as u64,
         })
+    }
+
+    /// Where a buffer view lies: its buffer, and a range of it.
+    ///
+    /// # Errors
+    /// As [`Self::buffer_view`].
+    pub fn buffer_view_range(&self, index: usize) -> Result<(usize, std::ops::Range<usize>), AccessorError> {
+        // Checks everything.
+        let length = self.buffer_view(index)?.len();
+        let view = &json::array(&self.json, "bufferViews")[index];
+        let number = |key: &str| view.get(key).and_then(json::index).unwrap_or(0);
+        let start = number("byteOffset");
+        Ok((number("buffer"), start..start + length))
     }
 
     /// The bytes behind a URI of this document (an image, say): a `data:` URI or a file in the document's folder.

@@ -13,6 +13,7 @@
 
 mod accessor;
 mod buffers;
+#[cfg(feature = "bake")]
 mod convert;
 mod decode;
 mod document;
@@ -20,18 +21,23 @@ mod error;
 mod glb;
 pub(crate) mod json;
 mod kinds;
+#[cfg(feature = "bake")]
 pub mod payload;
+#[cfg(feature = "bake")]
 mod release;
+#[cfg(feature = "bake")]
 mod resources;
+mod style;
 mod tables;
 mod uri;
+#[cfg(feature = "bake")]
 mod write;
 
-#[cfg(test)]
+#[cfg(all(test, feature = "bake"))]
 mod property_tests;
-#[cfg(test)]
+#[cfg(all(test, feature = "bake"))]
 mod scene_tests;
-#[cfg(test)]
+#[cfg(all(test, feature = "bake"))]
 mod write_tests;
 
 pub use accessor::Accessor;
@@ -39,6 +45,8 @@ pub use buffers::BufferStorage;
 pub use document::{Container, Document};
 pub use error::{AccessorError, AttachError, ReadError, UriError, WriteError};
 pub use kinds::{AccessorKind, ComponentType};
+#[cfg(feature = "bake")]
 pub use release::{Released, append_indices, release};
 pub use tables::{DocumentTables, TableError};
+#[cfg(feature = "bake")]
 pub use write::WriteSummary;

@@ -1,17 +1,12 @@
 //! Alpha textures of MASK materials, as one bit per texel.
 
 use super::json::{array, index, malformed, optional_index};
-use super::{AlphaMask, SceneError};
+use super::{AlphaMask, SceneError, pixels};
 use crate::gltf::Document;
-use image::{DynamicImage, ImageReader};
 use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::io::Cursor;
 use std::sync::Arc;
-
-/// Largest texture that is decoded, in texels: beyond, a tiny file could fill the memory.
-const MAX_TEXELS: u64 = 64 << 20;
 
 /// Largest image file that is read, in bytes.
 const MAX_BYTES: u64 = 1 << 29;
@@ -32,7 +27,7 @@ pub(crate) enum MaskTexels {
 pub(crate) enum Unreadable {
     /// No PNG or JPEG data where the file says, or broken data.
     Data,
-    /// More texels than [`MAX_TEXELS`] or, together, [`MAX_TOTAL_TEXELS`].
+    /// More texels than [`pixels::MAX_TEXELS`] or, together, [`MAX_TOTAL_TEXELS`].
     Size,
 }
 
@@ -87,12 +82,9 @@ impl<'a> MaskLoader<'a> {
     }
 
     fn test(&mut self, image: usize, wrap: [u32; 2], alpha: f32, cutoff: f32) -> Loaded {
-        let image = decode(&bytes_of(self.doc, image)?)?;
-        if !image.color().has_alpha() {
+        let Some((width, height, passes)) = pixels::alpha_test(&bytes_of(self.doc, image)?, alpha, cutoff)? else {
             return Ok(if alpha >= cutoff { MaskTexels::AllPass } else { MaskTexels::NonePass });
-        }
-        let (width, height) = (image.width(), image.height());
-        let passes = alpha_test(image, alpha, cutoff);
+        };
         if passes.iter().all(|&pass| pass) {
             return Ok(MaskTexels::AllPass);
         }
@@ -137,35 +129,4 @@ pub(crate) fn wrap_modes(json: &Value, texture: usize) -> Result<[u32; 2], Scene
         Some(_) => Err(malformed(format!("/samplers/{index}/{key}"), "10497, 33071 or 33648")),
     };
     Ok([mode("wrapS")?, mode("wrapT")?])
-}
-
-/// Texels of a PNG or JPEG, if they are not too many.
-pub(crate) fn texels(bytes: &[u8]) -> Result<u64, Unreadable> {
-    let (width, height) = reader(bytes)?.into_dimensions().map_err(|_| Unreadable::Data)?;
-    let texels = u64::from(width) * u64::from(height);
-    if texels > MAX_TEXELS { Err(Unreadable::Size) } else { Ok(texels) }
-}
-
-fn reader(bytes: &[u8]) -> Result<ImageReader<Cursor<&[u8]>>, Unreadable> {
-    ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|_| Unreadable::Data)
-}
-
-/// Decodes a PNG or JPEG, after a look at its size.
-pub(crate) fn decode(bytes: &[u8]) -> Result<DynamicImage, Unreadable> {
-    texels(bytes)?;
-    let image = reader(bytes)?.decode().map_err(|_| Unreadable::Data)?;
-    if image.width() == 0 || image.height() == 0 { Err(Unreadable::Data) } else { Ok(image) }
-}
-
-/// Row-major, from the top row; alpha is linear whatever the colours are.
-fn alpha_test(image: DynamicImage, alpha: f32, cutoff: f32) -> Vec<bool> {
-    let is_deep = matches!(image, DynamicImage::ImageLumaA16(_) | DynamicImage::ImageRgba16(_));
-    if is_deep {
-        let passes = |value: u16| f32::from(value) / 65535.0 * alpha >= cutoff;
-        image.into_rgba16().pixels().map(|pixel| passes(pixel.0[3])).collect()
-    } else {
-        let passes: Vec<bool> =
-            (0..=255_u8).map(|value| f32::from(value) / 255.0 * alpha >= cutoff).collect();
-        image.into_rgba8().pixels().map(|pixel| passes[usize::from(pixel.0[3])]).collect()
-    }
 }

@@ -10,8 +10,8 @@ use super::surfaces::{Group, Groups};
 use super::vertices::{Positions, VertexSet};
 use super::{Mesh, Opacity, SceneError};
 use crate::gltf::Document;
+use crate::parallel;
 use glam::{DVec3, Vec2, Vec3};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ pub(super) fn read(
     let shared = Shared::read(doc, plan, materials)?;
     let reader = Reader { doc, materials, shared: &shared };
     // All results first, then the first error in file order: which one a thread meets first is chance.
-    let read: Vec<_> = plan.meshes.par_iter().map(|mesh| reader.mesh(mesh)).collect();
+    let read = parallel::map(&plan.meshes, |mesh| reader.mesh(mesh));
     let mut meshes = Vec::with_capacity(read.len());
     for result in read {
         let (mesh, mesh_notes) = result?;

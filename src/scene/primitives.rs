@@ -101,6 +101,14 @@ pub(crate) fn plan(doc: &Document, meshes: &[usize], notes: &mut Notes) -> Resul
     Ok(plan)
 }
 
+/// POSITION accessors of all meshes of a file, each once; what is no index is left to [`plan`].
+pub(crate) fn positions(json: &Value) -> BTreeSet<usize> {
+    let meshes = json.get("meshes").and_then(Value::as_array).into_iter().flatten();
+    let primitives = meshes.filter_map(|mesh| mesh.get("primitives")?.as_array()).flatten();
+    let positions = primitives.filter_map(|primitive| primitive.get("attributes")?.get("POSITION")?.as_u64());
+    positions.filter_map(|index| usize::try_from(index).ok()).collect()
+}
+
 fn plan_mesh(doc: &Document, mesh: usize, notes: &mut Notes) -> Result<MeshPlan, SceneError> {
     let pointer = format!("/meshes/{mesh}");
     let json = &array(&doc.json, "meshes", "")?[mesh];

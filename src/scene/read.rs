@@ -2,7 +2,7 @@
 
 use super::json::array;
 use super::notes::Notes;
-use super::{Role, Scene, SceneError, animation, materials, meshes, nodes, primitives, transform};
+use super::{Role, Scene, SceneError, animation, materials, meshes, nodes, outline, primitives, transform};
 use crate::gltf::Document;
 use serde_json::Value;
 
@@ -14,6 +14,9 @@ pub struct ReadOptions {
     pub scene: Option<usize>,
     /// What alpha-tested surfaces hide.
     pub mask: MaskMode,
+    /// Reads no vertex: meshes have their boxes (as the file states them) and counts of triangles, but no triangles. Enough
+    /// to decide what to draw, before the geometry is there.
+    pub outline: bool,
 }
 
 /// What surfaces with `alphaMode` MASK and an alpha texture hide.
@@ -70,23 +73,27 @@ pub fn read_scene(doc: &Document, options: &ReadOptions) -> Result<Scene, SceneE
     let animated = animation::read(&doc.json, &mut notes)?;
     let walk = nodes::walk(doc, options.scene, &animated, &mut notes)?;
     let plan = primitives::plan(doc, &walk.meshes, &mut notes)?;
-    let materials = materials::read(doc, &plan.materials, &animated, options.mask, &mut notes)?;
-    let meshes = meshes::read(doc, &plan, &materials, &mut notes)?;
+    let meshes = if options.outline {
+        outline::read(doc, &plan)?
+    } else {
+        let materials = materials::read(doc, &plan.materials, &animated, options.mask, &mut notes)?;
+        meshes::read(doc, &plan, &materials, &mut notes)?
+    };
     let has_morph_targets: Vec<bool> = plan.meshes.iter().map(|mesh| mesh.has_morph_targets).collect();
     let mut scene =
         Scene { index: walk.scene, meshes, objects: walk.objects, nodes: walk.nodes, notes: Vec::new() };
-    exclude(&mut scene, &has_morph_targets, &mut notes);
+    exclude(&mut scene, &has_morph_targets, options.outline, &mut notes);
     scene.notes = notes.into_vec();
     Ok(scene)
 }
 
 /// Leaves objects out of the bake whose mesh deforms, is empty or is placed too far away.
-fn exclude(scene: &mut Scene, has_morph_targets: &[bool], notes: &mut Notes) {
+fn exclude(scene: &mut Scene, has_morph_targets: &[bool], outline: bool, notes: &mut Notes) {
     for object in scene.objects.iter_mut().filter(|object| object.role == Role::Static) {
         let mesh = &scene.meshes[object.mesh as usize];
         let (code, message) = if has_morph_targets[object.mesh as usize] {
             ("MORPHED", "objects with morph targets deform and are left out of the bake")
-        } else if mesh.is_empty() {
+        } else if if outline { mesh.drawn_triangles == 0 } else { mesh.is_empty() } {
             ("NO_TRIANGLES", "objects have no triangle that can be seen and are left out of the bake")
         } else if !transform::box_in_range(&object.to_world, mesh.min, mesh.max) {
             transform::OUT_OF_RANGE

@@ -6,8 +6,8 @@ use super::materials::Materials;
 use super::primitives::Plan;
 use super::vertices::Positions;
 use crate::gltf::{AccessorKind, Document};
+use crate::parallel;
 use glam::Vec2;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -60,10 +60,9 @@ fn decode<T: Send>(
     read: impl Fn(usize, &str) -> Result<T, SceneError> + Sync,
 ) -> Result<BTreeMap<usize, T>, SceneError> {
     let accessors: Vec<_> = accessors.iter().collect();
-    let decoded: Vec<Result<(usize, T), SceneError>> = accessors
-        .into_par_iter()
-        .map(|(&accessor, pointer)| read(accessor, pointer).map(|data| (accessor, data)))
-        .collect();
+    let decoded = parallel::map(&accessors, |&(&accessor, pointer)| {
+        read(accessor, pointer).map(|data| (accessor, data))
+    });
     decoded.into_iter().collect()
 }
 

@@ -28,14 +28,7 @@ impl Positions {
             .read_vec3_f64()
             .map_err(|source| SceneError::Accessor { pointer: pointer.to_owned(), source })?;
         let data = Box3::of(points.iter().copied());
-        let stated = accessor.min_max().and_then(|(min, max)| {
-            let vector = |v: Vec<f64>| {
-                let stored = <[f64; 3]>::try_from(v).ok()?;
-                Some(DVec3::from(stored.map(|value| fraction(&accessor, value))))
-            };
-            Some(Box3 { min: vector(min)?, max: vector(max)? })
-        });
-        Ok(match stated {
+        Ok(match stated_box(&accessor) {
             _ if data.is_empty() => Positions { points, bounds: data, stated_bounds_fit: true },
             Some(stated) if stated.may_stand_for(&data) => {
                 Positions { points, bounds: stated, stated_bounds_fit: true }
@@ -43,6 +36,16 @@ impl Positions {
             _ => Positions { points, bounds: data, stated_bounds_fit: false },
         })
     }
+}
+
+/// The box that a POSITION accessor states.
+pub(super) fn stated_box(accessor: &Accessor<'_>) -> Option<Box3> {
+    let vector = |v: Vec<f64>| {
+        let stored = <[f64; 3]>::try_from(v).ok()?;
+        Some(DVec3::from(stored.map(|value| fraction(accessor, value))))
+    };
+    let (min, max) = accessor.min_max()?;
+    Some(Box3 { min: vector(min)?, max: vector(max)? })
 }
 
 /// What a stored value stands for: `min` and `max` of normalized integers are stored values (glTF 2.0, 3.6.2.5).

@@ -83,22 +83,20 @@ fn mesh_of(doc: &Document, node: usize) -> Option<u32> {
 }
 
 impl Extras {
-    /// Appends the objects to `data`, whose meshes end with those of `meshes`, and tells the culler what they cost.
+    /// Appends the objects to `data`, whose meshes end with those of `meshes` (which have so many triangles), and tells the
+    /// culler what they cost.
     pub(super) fn add(
         doc: &Document,
         scene: &Scene,
         baked: &Baked,
-        meshes: &[u32],
+        (meshes, triangles): (&[u32], &[u32]),
         data: &mut SceneData,
         culler: &mut SceneCuller,
     ) -> Result<Self, ExtraError> {
         let first = data.meshes.len() - meshes.len();
         let places: HashMap<u32, u32> =
             meshes.iter().enumerate().map(|(at, &mesh)| (mesh, (first + at) as u32)).collect();
-        let triangles = |mesh: u32| -> u32 {
-            let drawn = &data.meshes[places[&mesh] as usize];
-            drawn.primitives.iter().map(|primitive| primitive.indices.len() / 3).sum::<usize>() as u32
-        };
+        let triangles = |mesh: u32| triangles[places[&mesh] as usize - first];
         if let Some(&mesh) = meshes.iter().find(|&&mesh| triangles(mesh) == 0) {
             return Err(ExtraError::Empty { mesh });
         }
@@ -206,12 +204,15 @@ impl Extras {
                 let first = *self.levels.get(object(draw)? as usize).filter(|&&first| first != NONE)?;
                 Some(first + u32::from(level.checked_sub(1)?))
             }
-            SelectedKind::Proxy => {
-                let anchors = self.proxies.get(draw.tree as usize)?;
-                let first = *anchors.get(draw.anchor as usize).filter(|&&first| first != NONE)?;
-                Some(first + draw.object)
-            }
+            SelectedKind::Proxy => self.proxy(draw.tree, draw.anchor, draw.object),
         }
+    }
+
+    /// The id of a proxy node at an anchor.
+    pub(super) fn proxy(&self, tree: u32, anchor: u32, node: u32) -> Option<u32> {
+        let anchors = self.proxies.get(tree as usize)?;
+        let first = *anchors.get(anchor as usize).filter(|&&first| first != NONE)?;
+        Some(first + node)
     }
 
     /// The innermost proxy node around a place of a tree.

@@ -8,16 +8,19 @@
 
 mod colours;
 mod cull;
+#[cfg(feature = "render")]
 mod exact;
 mod extras;
 mod method;
 mod metric;
 mod open;
+pub mod overlay;
 mod select;
-#[cfg(test)]
+#[cfg(all(test, feature = "render"))]
 mod tests;
 
 pub use colours::{ColourMode, UnknownColourMode, heat, object_colour, palette};
+#[cfg(feature = "render")]
 pub use exact::visible_objects;
 pub use extras::Extra;
 pub use method::{Method, UnknownMethod};
@@ -25,10 +28,13 @@ pub use metric::{SIGMOID, UnknownMetric, metric_name, parse_metric};
 pub use open::StageError;
 pub use select::Kind;
 
-use crate::bake::tree::{Aabb, Sphere};
 use crate::baked::Baked;
 use crate::scene::{Note, Scene};
+#[cfg(feature = "bake")]
 use crate::verify::Surroundings;
+use crate::volume::Aabb;
+#[cfg(feature = "bake")]
+use crate::volume::Sphere;
 use extras::Extras;
 use glam::DVec3;
 use svs_render::{SceneData, View};
@@ -102,7 +108,7 @@ impl Stage {
 
     /// Radius in metres of a sphere around [`Stage::bounds`].
     pub fn radius(&self) -> f64 {
-        self.surroundings().sphere.radius
+        (self.bounds.max - self.bounds.min).length() * 0.5
     }
 
     /// Box of an object, world space; a point where it stands if it has no geometry or does not exist.
@@ -115,6 +121,7 @@ impl Stage {
     }
 
     /// What generated cameras are placed around.
+    #[cfg(feature = "bake")]
     pub fn surroundings(&self) -> Surroundings<'_> {
         let Aabb { min, max } = self.bounds;
         let sphere = Sphere { center: self.bounds.center(), radius: (max - min).length() * 0.5 };
@@ -129,6 +136,11 @@ impl Stage {
     /// Settings that the file recommends, else the default ones.
     pub fn recommended(&self) -> Settings {
         self.settings
+    }
+
+    /// Quality of [`Stage::recommended`], 0 to 1.
+    pub fn recommended_quality(&self) -> f32 {
+        self.baked.as_ref().and_then(Baked::recommended).unwrap_or(svs_runtime::DEFAULT_QUALITY)
     }
 
     /// The runtime's culler.

@@ -2,15 +2,15 @@
 
 use super::extras::{self, Extras};
 use super::{Stage, object_of};
-use crate::appearance::{self, Appearance, AppearanceError};
-use crate::bake::subject::box_in_tree;
-use crate::bake::tree::Aabb;
+use crate::appearance::{self, Appearance, AppearanceError, Gradual};
 use crate::baked::{Baked, BakedError, outward};
 use crate::gltf::Document;
-use crate::scene::{Object, ReadOptions, Scene, SceneError, read_scene};
+use crate::scene::{Note, Object, ReadOptions, Scene, SceneError, read_scene};
+use crate::volume::{Aabb, box_in_tree};
 use glam::{DMat4, DVec3};
 use serde_json::Value;
 use std::collections::HashSet;
+use svs_render::SceneData;
 use svs_runtime::{Bounds, BoundsError, Camera, Draw, LOOSE, SceneCuller, Settings};
 
 /// Coordinates beyond this do not fit the culler's boxes with room for arithmetic.
@@ -45,9 +45,55 @@ impl Stage {
     /// [`StageError`] if there is no scene that could be drawn. Baked visibility that cannot be used is no error, see
     /// [`Stage::notice`].
     pub fn open(doc: &Document) -> Result<Stage, StageError> {
-        let (scene, trees) = trees(doc)?;
+        let (scene, mut trees) = trees(doc, false)?;
+        let (looks, extras, broken) = looks(doc, &scene, trees.baked.as_ref(), &mut trees.culler)?;
+        Self::assemble(doc, scene, trees, (looks.data, looks.notes), extras, broken)
+    }
+
+    /// As [`Stage::open`], but all meshes are still empty and all images white: nothing is read but the JSON and the tables
+    /// of the baked visibility. [`Gradual`] reads the rest, in any order.
+    ///
+    /// # Errors
+    /// [`StageError`], as far as it shows without the geometry.
+    pub fn outline(doc: &Document) -> Result<(Stage, Gradual), StageError> {
+        let (scene, mut trees) = trees(doc, true)?;
+        let mut broken = trees.baked.as_ref().and_then(Baked::broken_proxies).map(ToString::to_string);
+        let meshes = match &trees.baked {
+            Some(baked) if broken.is_none() => extras::meshes(doc, &scene, baked),
+            _ => Vec::new(),
+        };
+        let mut extras = None;
+        let mut opened = None;
+        if let (Some(baked), false) = (&trees.baked, meshes.is_empty()) {
+            match Gradual::new(doc, &scene, &meshes) {
+                Ok((gradual, mut data)) => {
+                    let triangles: Vec<u32> =
+                        (data.meshes.len() - meshes.len()..data.meshes.len()).map(|mesh| gradual.triangles(mesh as u32)).collect();
+                    match Extras::add(doc, &scene, baked, (&meshes, &triangles), &mut data, &mut trees.culler) {
+                        Ok(added) => (extras, opened) = (Some(added), Some((gradual, data))),
+                        Err(error) => broken = Some(error.to_string()),
+                    }
+                }
+                Err(error) => broken = Some(error.to_string()),
+            }
+        }
+        let (gradual, data) = match opened {
+            Some(opened) => opened,
+            None => Gradual::new(doc, &scene, &[])?,
+        };
+        let stage = Self::assemble(doc, scene, trees, (data, Vec::new()), extras, broken)?;
+        Ok((stage, gradual))
+    }
+
+    fn assemble(
+        doc: &Document,
+        scene: Scene,
+        trees: Trees,
+        (data, notes): (SceneData, Vec<Note>),
+        extras: Option<Extras>,
+        broken: Option<String>,
+    ) -> Result<Stage, StageError> {
         let Trees { baked, mut culler, mut notice } = trees;
-        let (looks, extras, broken) = looks(doc, &scene, baked.as_ref(), &mut culler)?;
         if let Some(broken) = broken {
             notice.get_or_insert(format!("the proxies cannot be used ({broken}); shown without them"));
         }
@@ -88,8 +134,8 @@ impl Stage {
         Ok(Stage {
             names: names(doc, &scene),
             bounds: around(&boxes),
-            data: looks.data,
-            notes: looks.notes,
+            data,
+            notes,
             hidden: vec![false; triangles.len()],
             drawn: Vec::with_capacity(order.len()),
             ratios: Vec::new(),
@@ -129,7 +175,10 @@ fn looks(
         Ok(looks) => looks,
         Err(error) => return plain(Some(error.to_string())),
     };
-    match Extras::add(doc, scene, baked, &meshes, &mut looks.data, culler) {
+    let drawn = |mesh: &svs_render::Mesh| mesh.primitives.iter().map(|p| p.indices.len() / 3).sum::<usize>() as u32;
+    let first = looks.data.meshes.len() - meshes.len();
+    let triangles: Vec<u32> = looks.data.meshes[first..].iter().map(drawn).collect();
+    match Extras::add(doc, scene, baked, (&meshes, &triangles), &mut looks.data, culler) {
         Ok(extras) => Ok((looks, Some(extras), None)),
         Err(error) => plain(Some(error.to_string())),
     }
@@ -144,9 +193,9 @@ fn order(culler: &mut SceneCuller, object_of: impl Fn(Draw) -> Option<u32>) -> V
     objects.filter(|&object| seen.insert(object)).collect()
 }
 
-fn trees(doc: &Document) -> Result<(Scene, Trees), StageError> {
+fn trees(doc: &Document, outline: bool) -> Result<(Scene, Trees), StageError> {
     let read = || {
-        let (scene, baked) = Baked::read(doc)?;
+        let (scene, baked) = Baked::read(doc, outline)?;
         let culler = baked.culler(&scene)?;
         Ok((scene, Trees { baked: Some(baked), culler, notice: None }))
     };
@@ -156,7 +205,7 @@ fn trees(doc: &Document) -> Result<(Scene, Trees), StageError> {
         Err(BakedError::Scene(error)) => return Err(error.into()),
         Err(error) => Some(format!("{error}; culled by the frustum alone")),
     };
-    let scene = read_scene(doc, &ReadOptions::default())?;
+    let scene = read_scene(doc, &ReadOptions { outline, ..ReadOptions::default() })?;
     Ok((scene, Trees { baked: None, culler: SceneCuller::empty(), notice }))
 }
 

@@ -112,6 +112,28 @@ impl Stage {
         }
     }
 
+    /// Ids of the proxies around an object (or a level of one), the innermost first.
+    pub fn proxies_around(&self, id: u32) -> impl Iterator<Item = u32> {
+        let object = match self.extra(id) {
+            None => Some(id),
+            Some(Extra::Level { object, .. }) => Some(object),
+            Some(Extra::Proxy { .. }) => None,
+        };
+        let found = object.and_then(|object| {
+            let (extras, draw) = (self.extras.as_ref()?, self.draw_of(object)?);
+            let owner = extras.owner(draw)?;
+            let nodes = self.trees().get(draw.tree as usize)?.proxies()?.nodes();
+            Some((extras, draw, owner, nodes))
+        });
+        found.into_iter().flat_map(|(extras, draw, owner, nodes)| {
+            let is_around = move |&node: &u32| {
+                nodes.get(node as usize).is_some_and(|around| node + around.subtree > owner)
+            };
+            let around = (0..=owner).rev().filter(is_around);
+            around.filter_map(move |node| extras.proxy(draw.tree, draw.anchor, node))
+        })
+    }
+
     /// One of [`Stage::objects_of`] a proxy.
     pub(super) fn first_object_of(&self, id: u32) -> Option<u32> {
         let (Some(Extra::Proxy { tree, anchor, node }), Some(baked)) = (self.extra(id), &self.baked) else {

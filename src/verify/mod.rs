@@ -95,7 +95,7 @@ fn measure(
     full: bool,
     progress: &dyn Progress,
 ) -> Result<VerifyReport, VerifyError> {
-    let (scene, baked) = Baked::read(doc)?;
+    let (scene, baked) = Baked::read(doc, false)?;
     let target = Target::new(&scene, &baked.covered(&scene));
     let rays = RayScene::new(&scene.meshes, &target.parts);
     let mut report = VerifyReport {

@@ -1,6 +1,6 @@
 //! What the keys do.
 
-use super::camera::Motion;
+use crate::rig::Motion;
 use winit::keyboard::KeyCode;
 
 /// A key that does something once.

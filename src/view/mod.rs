@@ -4,14 +4,12 @@
 //! window, [`viewer`] everything else, [`scene`] the open file.
 
 mod app;
-mod camera;
 mod canvas;
 mod error;
 mod explain;
 mod figures;
 mod keys;
 mod loading;
-mod overlay;
 mod panel;
 mod recording;
 mod scene;

@@ -6,7 +6,7 @@
 //!
 //! Each step takes one frame; loading is waited for. After the last step the window closes, unless a step was `"stay"`.
 
-use super::camera::CameraMode;
+use crate::rig::CameraMode;
 use super::state::Colours;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};

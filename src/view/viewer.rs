@@ -1,6 +1,6 @@
 //! The viewer without its window: scene, camera, settings, and what happens when they change.
 
-use super::camera::{CameraMode, Rig};
+use crate::rig::{CameraMode, Rig};
 use super::canvas::Canvas;
 use super::figures::History;
 use super::keys::{Held, Shortcut};

@@ -23,6 +23,7 @@ pub(crate) fn test() -> Result<(), String> {
             "-p",
             "svs",
             "--no-default-features",
+            "--features=bake",
             "--",
             "-D",
             "warnings",

@@ -12,7 +12,11 @@ use std::ops::Range;
 ///
 /// After `attach` the document is exactly what it was before. If other tools have appended objects since, or refer to
 /// the payload's accessors, the extension goes and its accessors stay, unreferenced: nothing of the file is lost.
+///
+/// A file that was arranged for streaming is put back into the order of its buffer views first, see [`crate::stream`].
 pub fn strip(document: &mut Document) -> bool {
+    // What cannot be undone is kept as other tools' changes are.
+    let _ = crate::stream::restore(document);
     let Some(Value::Object(extensions)) = document.json.get_mut("extensions") else { return false };
     let Some(extension) = extensions.shift_remove(EXTENSION) else { return false };
     let before = extension.pointer("/extras/before").and_then(Value::as_object).cloned().unwrap_or_default();

@@ -2,7 +2,7 @@
 
 use super::style::{ERROR, FAINT};
 use super::{Viewer, button, place};
-use crate::view::camera::CameraMode;
+use crate::rig::CameraMode;
 use egui::{RichText, TextEdit, Ui};
 
 pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {

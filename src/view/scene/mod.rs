@@ -8,7 +8,7 @@ use crate::stage::{Kind, Method, Stage, visible_objects};
 use crate::view::canvas::{Canvas, SCENE_FORMAT};
 use crate::view::figures::FrameFigures;
 use crate::view::loading::Loaded;
-use crate::view::overlay;
+use crate::stage::overlay;
 use crate::view::state::{Colours, Limit, State};
 use crate::view::tints;
 use std::collections::BTreeSet;

@@ -7,21 +7,21 @@ use svs_render::{Line, View};
 /// Straight pieces of a great circle: round enough at the size of a window.
 const SEGMENTS: usize = 40;
 /// Spheres drawn at most, the largest first: beyond, nobody sees anything any more.
-pub(crate) const MOST_SPHERES: usize = 400;
+pub const MOST_SPHERES: usize = 400;
 
 /// Colour of the frozen camera's frustum.
-pub(crate) const FRUSTUM_COLOUR: [u8; 4] = [255, 214, 64, 255];
+pub const FRUSTUM_COLOUR: [u8; 4] = [255, 214, 64, 255];
 /// Colour of the selected object's box.
-pub(crate) const SELECTION_COLOUR: [u8; 4] = [255, 150, 30, 255];
+pub const SELECTION_COLOUR: [u8; 4] = [255, 150, 30, 255];
 /// Boxes of skipped objects drawn at most.
-pub(crate) const MOST_BOXES: usize = 30_000;
+pub const MOST_BOXES: usize = 30_000;
 /// Colour of skipped objects' boxes.
-pub(crate) const SKIPPED_COLOUR: [u8; 4] = [235, 60, 50, 255];
+pub const SKIPPED_COLOUR: [u8; 4] = [235, 60, 50, 255];
 /// Colour of spheres.
-pub(crate) const SPHERE_COLOUR: [u8; 4] = [90, 200, 255, 255];
+pub const SPHERE_COLOUR: [u8; 4] = [90, 200, 255, 255];
 
 /// Three great circles.
-pub(crate) fn sphere(center: DVec3, radius: f64, color: [u8; 4], lines: &mut Vec<Line>) {
+pub fn sphere(center: DVec3, radius: f64, color: [u8; 4], lines: &mut Vec<Line>) {
     for (a, b) in [(DVec3::X, DVec3::Y), (DVec3::Y, DVec3::Z), (DVec3::Z, DVec3::X)] {
         let point = |step: usize| {
             let (sin, cos) = (step as f64 / SEGMENTS as f64 * TAU).sin_cos();
@@ -32,7 +32,7 @@ pub(crate) fn sphere(center: DVec3, radius: f64, color: [u8; 4], lines: &mut Vec
 }
 
 /// The twelve edges of a box.
-pub(crate) fn edges(min: DVec3, max: DVec3, color: [u8; 4], lines: &mut Vec<Line>) {
+pub fn edges(min: DVec3, max: DVec3, color: [u8; 4], lines: &mut Vec<Line>) {
     let corner = |bits: u32| {
         DVec3::new(
             if bits & 1 == 0 { min.x } else { max.x },
@@ -50,7 +50,7 @@ pub(crate) fn edges(min: DVec3, max: DVec3, color: [u8; 4], lines: &mut Vec<Line
 }
 
 /// A camera's frustum as far as `depth` metres, and a cross through its eye.
-pub(crate) fn frustum(view: &View, aspect: f64, depth: f64, color: [u8; 4], lines: &mut Vec<Line>) {
+pub fn frustum(view: &View, aspect: f64, depth: f64, color: [u8; 4], lines: &mut Vec<Line>) {
     let half = (view.vertical_fov * 0.5).tan();
     let corner = |x: f64, y: f64, depth: f64| {
         view.eye + (view.forward + view.right() * (x * half * aspect) + view.up * (y * half)) * depth

@@ -5,16 +5,16 @@ use glam::DVec3;
 
 /// Eye and aim, independent of any target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Walk {
+pub struct Walk {
     /// Where the viewer stands, metres.
-    pub(crate) eye: DVec3,
+    pub eye: DVec3,
     /// Where it looks.
-    pub(crate) aim: Aim,
+    pub aim: Aim,
 }
 
 impl Walk {
     /// Goes some metres along its own axes. Ahead is where it looks, up is +y: as in most fly cameras.
-    pub(crate) fn go(&mut self, right: f64, up: f64, ahead: f64) {
+    pub fn go(&mut self, right: f64, up: f64, ahead: f64) {
         let moved = self.eye + self.aim.right() * right + DVec3::Y * up + self.aim.forward() * ahead;
         if moved.is_finite() {
             self.eye = moved;
@@ -22,7 +22,7 @@ impl Walk {
     }
 
     /// Turns the head by angles in radians; the eye stays.
-    pub(crate) fn turn(&mut self, yaw: f64, pitch: f64) {
+    pub fn turn(&mut self, yaw: f64, pitch: f64) {
         self.aim.turn(yaw, pitch);
     }
 }

@@ -1,4 +1,4 @@
-//! The viewer's cameras. They know nothing of windows: mouse and keys arrive as pixels, notches and seconds.
+//! Cameras in the hand of a user. They know nothing of windows: mouse and keys arrive as pixels, notches and seconds.
 
 mod aim;
 mod orbit;
@@ -6,9 +6,9 @@ mod orbit;
 mod tests;
 mod walk;
 
-pub(crate) use aim::Aim;
-pub(crate) use orbit::Orbit;
-pub(crate) use walk::Walk;
+pub use aim::Aim;
+pub use orbit::Orbit;
+pub use walk::Walk;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -37,7 +37,7 @@ fn finite(value: f64, otherwise: f64) -> f64 {
 /// Which camera has the mouse and the keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum CameraMode {
+pub enum CameraMode {
     /// Turns around a point.
     #[default]
     Orbit,
@@ -47,27 +47,27 @@ pub(crate) enum CameraMode {
 
 /// Keys that are held down, from -1 to 1 along each axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Motion {
+pub struct Motion {
     /// To the right.
-    pub(crate) right: f64,
+    pub right: f64,
     /// Up.
-    pub(crate) up: f64,
+    pub up: f64,
     /// Into the image.
-    pub(crate) ahead: f64,
+    pub ahead: f64,
     /// Shift is held.
-    pub(crate) faster: bool,
+    pub faster: bool,
 }
 
 impl Motion {
     /// Some key is held that moves the camera.
-    pub(crate) fn moves(&self) -> bool {
+    pub fn moves(&self) -> bool {
         self.right != 0.0 || self.up != 0.0 || self.ahead != 0.0
     }
 }
 
 /// Both cameras and what they share.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Rig {
+pub struct Rig {
     mode: CameraMode,
     orbit: Orbit,
     walk: Walk,
@@ -77,12 +77,12 @@ pub(crate) struct Rig {
     vertical_fov: f64,
     near: f64,
     /// Multiplies the walking speed.
-    pub(crate) speed: f64,
+    pub speed: f64,
 }
 
 impl Rig {
     /// Looks at a scene (its box in world space, metres) from above at a slant.
-    pub(crate) fn new(min: DVec3, max: DVec3) -> Self {
+    pub fn new(min: DVec3, max: DVec3) -> Self {
         let (center, radius) = sphere(min, max);
         let aim = Aim::new(0.6, -0.45);
         let mut rig = Self {
@@ -100,7 +100,7 @@ impl Rig {
     }
 
     /// The camera in use.
-    pub(crate) fn view(&self) -> View {
+    pub fn view(&self) -> View {
         let (eye, aim) = match self.mode {
             CameraMode::Orbit => (self.orbit.eye(), self.orbit.aim),
             CameraMode::Walk => (self.walk.eye, self.walk.aim),
@@ -109,7 +109,7 @@ impl Rig {
     }
 
     /// Puts the camera where a view is; roll is lost. A view that is not finite changes nothing.
-    pub(crate) fn set_view(&mut self, view: &View) {
+    pub fn set_view(&mut self, view: &View) {
         if !view.eye.is_finite() || !view.forward.is_finite() {
             return;
         }
@@ -127,12 +127,12 @@ impl Rig {
     }
 
     /// Which camera is in use.
-    pub(crate) fn mode(&self) -> CameraMode {
+    pub fn mode(&self) -> CameraMode {
         self.mode
     }
 
     /// Changes to the other camera without moving the eye.
-    pub(crate) fn switch(&mut self, mode: CameraMode) {
+    pub fn switch(&mut self, mode: CameraMode) {
         if mode == self.mode {
             return;
         }
@@ -147,7 +147,7 @@ impl Rig {
     }
 
     /// A drag that turns, in pixels (right and down are positive) of an image `height` pixels high.
-    pub(crate) fn drag(&mut self, right: f64, down: f64, height: f64) {
+    pub fn drag(&mut self, right: f64, down: f64, height: f64) {
         let angle = TURN_PER_HEIGHT / height.max(1.0);
         match self.mode {
             // The scene follows the hand ...
@@ -158,7 +158,7 @@ impl Rig {
     }
 
     /// A drag that shifts the image, in pixels; what is at the target's distance follows the hand exactly.
-    pub(crate) fn pan(&mut self, right: f64, down: f64, height: f64) {
+    pub fn pan(&mut self, right: f64, down: f64, height: f64) {
         let depth = match self.mode {
             CameraMode::Orbit => self.orbit.distance,
             CameraMode::Walk => self.radius * 0.2,
@@ -171,7 +171,7 @@ impl Rig {
     }
 
     /// Turns of the wheel, positive away from the hand: nearer when orbiting, faster when walking.
-    pub(crate) fn wheel(&mut self, notches: f64) {
+    pub fn wheel(&mut self, notches: f64) {
         let factor = ZOOM_PER_NOTCH.powf(finite(notches, 0.0).clamp(-50.0, 50.0));
         match self.mode {
             CameraMode::Orbit => {
@@ -182,7 +182,7 @@ impl Rig {
     }
 
     /// Moves as the keys say for some seconds.
-    pub(crate) fn advance(&mut self, motion: &Motion, seconds: f64, recording: bool) {
+    pub fn advance(&mut self, motion: &Motion, seconds: f64, recording: bool) {
         if !motion.moves() || seconds.is_nan() || seconds <= 0.0 {
             return;
         }
@@ -205,7 +205,7 @@ impl Rig {
     }
 
     /// Shows the whole scene, or a box in it (world space, metres), from the present side. `aspect`: width by height.
-    pub(crate) fn frame(&mut self, bounds: Option<(DVec3, DVec3)>, aspect: f64) {
+    pub fn frame(&mut self, bounds: Option<(DVec3, DVec3)>, aspect: f64) {
         let (center, radius) = match bounds {
             Some((min, max)) => sphere(min, max),
             None => (self.center, self.radius),
@@ -219,7 +219,7 @@ impl Rig {
     }
 
     /// Metres a second at the present walking speed, without Shift.
-    pub(crate) fn metres_per_second(&self) -> f64 {
+    pub fn metres_per_second(&self) -> f64 {
         SPEED * self.radius * self.speed
     }
 }
