@@ -129,6 +129,10 @@ pub struct MeshLevelJson {
     pub mesh: u32,
     /// Geometric error, metres of mesh space.
     pub error: f64,
+    /// Mean and root mean square of the distance, metres of mesh space, and the share that looks wrong. Absent: the error
+    /// everywhere, and nothing wrong.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deviation: Option<[f64; 3]>,
 }
 
 /// The proxies of a tree.
@@ -140,7 +144,8 @@ pub struct ProxiesJson {
     pub tables: ProxyTables,
 }
 
-/// Accessor indices of the tables of proxies. All are required but [`Self::object`].
+/// Accessor indices of the tables of proxies. All are required but [`Self::object`] and
+/// [`Self::deviation`].
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProxyTables {
     /// VEC4 FLOAT: sphere centre x, y, z and radius per proxy, in metres of tree space.
@@ -161,6 +166,10 @@ pub struct ProxyTables {
     /// SCALAR FLOAT: geometric error, metres of tree space.
     #[serde(rename = "PROXY_ERROR")]
     pub error: u32,
+    /// VEC3 FLOAT: mean and root mean square of the distance, metres of tree space, and the share that looks wrong. Absent:
+    /// the error everywhere, and nothing wrong.
+    #[serde(rename = "PROXY_DEVIATION", default, skip_serializing_if = "Option::is_none")]
+    pub deviation: Option<u32>,
     /// SCALAR unsigned integer: glTF mesh.
     #[serde(rename = "PROXY_MESH")]
     pub mesh: u32,
@@ -173,7 +182,8 @@ impl ProxyTables {
     /// The accessors of all tables there are.
     pub fn accessors(&self) -> impl Iterator<Item = u32> + '_ {
         let all = [self.sphere, self.subtree, self.first_object, self.object_count];
-        all.into_iter().chain(self.object).chain([self.error, self.mesh, self.origin])
+        let rest = [self.error, self.mesh, self.origin];
+        all.into_iter().chain(self.object).chain(rest).chain(self.deviation)
     }
 }
 

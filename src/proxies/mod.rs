@@ -321,7 +321,9 @@ impl Made {
                 let triangles: Vec<Triangles<'_>> =
                     primitives.map(|p| of_primitive(p, materials.of_original(p.material))).collect();
                 if let Some(mesh) = encoder.mesh(triangles.into_iter()) {
-                    levels.push(json!({"mesh": mesh, "error": level.error}));
+                    let error = level.error as f32;
+                    let deviation = tables::deviation(&level.fidelity, 0.0, f64::from(error));
+                    levels.push(json!({"mesh": mesh, "error": error, "deviation": deviation}));
                     bake.report.mesh_level_triangles += level.triangles as u64;
                 }
             }

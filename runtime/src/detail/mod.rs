@@ -1,11 +1,12 @@
 //! What to draw of what is visible, and how coarse: originals, simplified levels, proxies, or nothing.
 
 mod cut;
+mod forms;
 mod frame;
 mod history;
+mod hull;
 mod metric;
 pub(crate) mod mu;
-mod step;
 mod tables;
 mod view;
 mod within;
@@ -15,10 +16,12 @@ use crate::camera::Camera;
 use crate::query::Settings;
 use crate::scene::{Draw, SceneCuller};
 use cut::Drawn;
+use forms::Source;
 use frame::{Entry, Frame};
 use tables::Tables;
 use view::Scene;
-use within::{Search, Searching};
+use history::History;
+use within::{Search, Within};
 
 pub use metric::Metric;
 pub use tables::Level;
@@ -156,18 +159,13 @@ impl SceneCuller {
             cut::unlimited(&scene, layout, states, pending, |entry, drawn| output.draw(entry, &drawn));
         if let Some(capacity) = capacity.filter(|capacity| !capacity.fits(output.load)) {
             states.reset(layout);
-            let mut searching = Searching {
+            let source = Source {
                 scene: &scene,
                 layout,
-                states,
-                before: Some(&state.before),
-                hysteresis: self.within.hysteresis,
-                capacity,
-                spent: Load::default(),
-                visited,
+                history: History { frame: &state.before, factor: self.within.hysteresis },
             };
-            searching.run(&mut state.search, &mut self.within.selector);
-            visited = searching.visited;
+            let mut within = Within { source, states, capacity };
+            visited += within.run(&mut state.search, &mut self.within.selector);
             output.clear();
             cut::chosen(&scene, layout, states, |entry, drawn| output.draw(entry, &drawn));
         }

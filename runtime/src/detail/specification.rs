@@ -80,7 +80,7 @@ fn culler() -> SceneCuller {
     };
     culler.set_triangles(0, &triangles(&objects, 2)).unwrap();
     culler.set_proxy_triangles(0, &triangles(&proxies, 4)).unwrap();
-    culler.set_levels(0, &[0, 1, 1, 1, 1], &[Level { triangles: 800, error: 0.05 }]).unwrap();
+    culler.set_levels(0, &[0, 1, 1, 1, 1], &[Level::new(800, 0.05)]).unwrap();
     culler
 }
 

@@ -1,7 +1,6 @@
 //! The cut within a budget against the best one, found by keeping every cut that no other beats in both triangles and loss.
 
 use super::frame::{COVERED, Content, DROPPED, Layout, NodeState};
-use super::metric::loss;
 use super::view::{Part, Scene, nodes, parts};
 use super::{Detail, Level, Metric};
 use crate::bounds::Bounds;
@@ -77,7 +76,7 @@ impl Builder {
             for _ in 0..self.random.next() % 3 {
                 triangles = (f64::from(triangles) * (0.1 + 0.5 * self.random.unit())) as u32 + 1;
                 error += half.x * 0.1 * self.random.unit() as f32;
-                self.levels.push(Level { triangles, error });
+                self.levels.push(Level::new(triangles, error));
             }
             self.starts.push(self.levels.len() as u32);
             parts += triangles;
@@ -170,7 +169,7 @@ fn cuts(scene: &Scene<'_>, layout: &Layout, below: Option<u32>) -> Front {
             Part::Proxy(node, slots) => {
                 let mut of_node = cuts(scene, layout, Some(node));
                 if let Some(view) = scene.view(layout, entry, node, slots) {
-                    of_node.push((u64::from(view.triangles), view.pixels * loss(view.error)));
+                    of_node.push((u64::from(view.triangles), view.pixels * view.loss));
                 }
                 front = both(&front, &best_of(of_node));
             }
@@ -181,7 +180,7 @@ fn cuts(scene: &Scene<'_>, layout: &Layout, below: Option<u32>) -> Front {
                     let mut of_object = vec![(0, object.pixels)];
                     let mut level = scene.coarsest(&object);
                     loop {
-                        let lost = object.pixels * loss(scene.level_error(&object, level));
+                        let lost = object.pixels * scene.level_loss(&object, level);
                         of_object.push((scene.level_triangles(&object, level).into(), lost));
                         if level == 0 {
                             break;
@@ -216,7 +215,7 @@ fn measure(culler: &SceneCuller, detail: Detail) -> (f64, Front) {
             let drawn = states.nodes[node as usize] == NodeState::Drawn;
             if drawn {
                 let view = scene.view(layout, entry, node, slots).unwrap();
-                lost += view.pixels * loss(view.error);
+                lost += view.pixels * view.loss;
             }
             drawn
         }
@@ -227,7 +226,7 @@ fn measure(culler: &SceneCuller, detail: Detail) -> (f64, Front) {
                 lost += match states.slots[slot] {
                     DROPPED => object.pixels,
                     COVERED => unreachable!("no proxy stands for it"),
-                    level => object.pixels * loss(scene.level_error(&object, level)),
+                    level => object.pixels * scene.level_loss(&object, level),
                 };
             }
             true
