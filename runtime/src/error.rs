@@ -154,7 +154,9 @@ pub enum TreeError {
         node: usize,
     },
     /// A deviation is not one: see [`crate::Deviation`].
-    #[error("node {node}: its deviation is negative, not finite, of a mean above the rms or an rms above the error")]
+    #[error(
+        "node {node}: its deviation is negative, not finite, of a mean above the rms or an rms above the error"
+    )]
     ProxyDeviation {
         /// Index of the proxy.
         node: usize,

@@ -80,7 +80,10 @@ mod tests {
     fn errors_rise() {
         let read = |errors: &[f64]| read(&[entry(1, &[0.0]), entry(3, errors)]);
         let levels = read(&[0.5, 0.5, 2.0]).unwrap();
-        assert_eq!((levels[1].mesh, levels[1].levels[2]), (3, MeshLevel { mesh: 102, error: 2.0, deviation: Deviation::of_error(2.0) }));
+        assert_eq!(
+            (levels[1].mesh, levels[1].levels[2]),
+            (3, MeshLevel { mesh: 102, error: 2.0, deviation: Deviation::of_error(2.0) })
+        );
         for bad in [&[][..], &[1.0, 0.5], &[-1.0], &[f64::NAN], &[1e300], &[0.0; 65]] {
             assert!(matches!(read(bad), Err(DecodeError::MeshLevels { entry: 1, .. })), "{bad:?}");
         }

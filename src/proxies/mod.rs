@@ -109,7 +109,7 @@ pub fn bake(
     let looks = appearance::read(document, scene)?;
     let palette = Palette::new(&looks.data.materials, &looks.data.images);
     progress.stage("mesh levels", None);
-    let meshes = mesh_levels::simplify(scene, trees, &looks.data.meshes, u64::from(options.triangles));
+    let meshes = mesh_levels::simplify(scene, trees, &looks.data.meshes);
     let mut simplified = vec![None; looks.data.meshes.len()];
     for mesh in &meshes {
         simplified[mesh.mesh as usize] = Some(mesh);

@@ -129,7 +129,8 @@ impl Extras {
                 let object = baked.object_of(draw).filter(|_| !nested.contains(&draw.object));
                 if let Some(object) = object {
                     let stretch = stretch(&(from_world * scene.objects[object as usize].to_world));
-                    let stretched = |length: f32| (f64::from(length) * stretch).min(f64::from(f32::MAX)) as f32;
+                    let stretched =
+                        |length: f32| (f64::from(length) * stretch).min(f64::from(f32::MAX)) as f32;
                     levels.extend(levels_of(object).iter().map(|level| Level {
                         triangles: triangles(level.mesh),
                         error: stretched(level.error),

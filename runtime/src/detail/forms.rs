@@ -50,7 +50,7 @@ pub(crate) struct Choice {
     pub(crate) triangles: u32,
     /// Of an object.
     pub(crate) level: u8,
-    /// Visible pixels that are not lost.
+    /// Visible pixels, as far as they are shown right.
     pub(crate) value: f64,
     /// The same; what was drawn in the last frame counts more.
     pub(crate) worth: f64,
@@ -135,8 +135,8 @@ impl Forms {
                 node += 1;
                 continue;
             };
-            let whole = scene.is_fine(view.error)
-                && !gives_way(scene, layout, index, node, &view, &mut self.pending);
+            let whole =
+                scene.is_fine(view.error) && !gives_way(scene, layout, index, node, &view, &mut self.pending);
             let form = self.proxy(source, index, node, &view, whole, parent);
             if whole {
                 (slot, node) = (slots.end, node + proxy.subtree);
@@ -168,7 +168,7 @@ impl Forms {
         whole: bool,
         parent: u32,
     ) -> u32 {
-        let value = view.pixels * (1.0 - view.loss);
+        let value = view.shown * right(view.loss);
         let before = source.history.of_proxy(source, entry, node);
         let worth = if before == Before::Proxy { value * source.history.factor } else { value };
         let first = self.choices.len() as u32;
@@ -204,7 +204,7 @@ impl Forms {
         parent: u32,
     ) {
         let scene = source.scene;
-        let value = |level| object.pixels * (1.0 - scene.level_loss(object, level));
+        let value = |level| object.pixels * right(scene.level_loss(object, level));
         let known = before.map(value);
         let first = self.choices.len() as u32;
         let mut level = scene.coarsest(object);
@@ -226,4 +226,10 @@ impl Forms {
         let (target, before) = (Target::Slot(slot), Before::Nothing);
         self.list.push(Form { parent, entry, target, whole: true, before, first, count });
     }
+}
+
+/// How much counts what shows a share of its pixels wrong: squared, for a pixel that is wrong is worse than one that shows
+/// what is behind.
+fn right(loss: f64) -> f64 {
+    (1.0 - loss) * (1.0 - loss)
 }

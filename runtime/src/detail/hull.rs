@@ -5,7 +5,7 @@
 //! *Generalized Lagrange Multiplier Method for Solving Problems of Optimum Allocation of Resources*, 1963, and for cuts of
 //! trees Chou, Lookabaugh and Gray, *Optimal Pruning with Applications to Tree-Structured Source Coding and Modeling*, 1989).
 
-use super::forms::{Before, Forms, NONE, Target};
+use super::forms::{Before, Choice, Forms, NONE, Target};
 use super::history::History;
 use crate::budget::{Capacity, Load};
 
@@ -25,13 +25,20 @@ struct Lock {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Totals {
     pub(crate) load: Load,
-    /// Visible pixels that are not lost.
+    /// Visible pixels, as far as they are shown right.
     pub(crate) value: f64,
     /// The same; what was drawn in the last frame counts more.
     pub(crate) worth: f64,
 }
 
 impl Totals {
+    /// Adds something drawn.
+    pub(crate) fn draw(&mut self, choice: &Choice) {
+        self.load = self.load.plus(choice.triangles);
+        self.value += choice.value;
+        self.worth += choice.worth;
+    }
+
     fn add(&mut self, other: &Totals) {
         self.load.triangles += other.load.triangles;
         self.load.draws += other.load.draws;
@@ -55,10 +62,10 @@ pub(crate) struct Hull {
     pub(crate) covered: Vec<bool>,
 }
 
-/// Searches for the price, at most so many passes each.
+/// Passes of one search for the price, at most.
 const PASSES: usize = 48;
-/// Times that what does not fit is held back.
-const ROUNDS: usize = 16;
+/// Searches at most: after each, what does not fit is held back.
+const ROUNDS: usize = 4;
 /// Part of the budget that is not worth another round.
 const LEFT: f64 = 1.0 / 64.0;
 
@@ -86,17 +93,25 @@ impl Searching<'_> {
             return best;
         }
         let whole = self.capacity.left(Load::default());
+        let mut price = 0.0;
         for _ in 0..ROUNDS {
-            let all = self.pass(hull, 0.0);
-            if self.capacity.fits(all.load) {
+            let mut above = self.pass(hull, price);
+            while self.capacity.fits(above.load) {
                 std::mem::swap(&mut hull.picks, &mut hull.trial);
-                return all;
+                best = above;
+                if price <= 0.0 {
+                    return best;
+                }
+                price = 0.0;
+                above = self.pass(hull, price);
             }
             std::mem::swap(&mut hull.above, &mut hull.trial);
-            best = self.search(hull, best, all);
+            (best, price) = self.search(hull, best, (above, price));
             if self.capacity.left(best.load) < whole * LEFT || !self.hold_back(hull) {
                 break;
             }
+            // What is held back hardly changes the price.
+            price *= 0.5;
         }
         best
     }
@@ -105,9 +120,11 @@ impl Searching<'_> {
         self.capacity.difference(load.triangles as i64, load.draws as i64)
     }
 
-    /// Between a cut that fits and one that does not: the dearest that fits of those that are best at some price.
-    fn search(&self, hull: &mut Hull, mut below: Totals, mut above: Totals) -> Totals {
-        let (mut high, mut low) = (f64::INFINITY, 0.0);
+    /// Between a cut that fits and one that does not, and its price: the dearest that fits of those that are best at some
+    /// price, and the price of the next.
+    fn search(&self, hull: &mut Hull, mut below: Totals, next: (Totals, f64)) -> (Totals, f64) {
+        let (mut above, mut low) = next;
+        let mut high = f64::INFINITY;
         for pass in 0..PASSES {
             let (less, more) = (self.cost(below.load), self.cost(above.load));
             let secant = (above.worth - below.worth) / (more - less);
@@ -132,7 +149,7 @@ impl Searching<'_> {
                 std::mem::swap(&mut hull.above, &mut hull.trial);
             }
         }
-        below
+        (below, low)
     }
 
     /// The best cut at a price, into `trial`. Of equally good ones the cheapest.
@@ -155,25 +172,22 @@ impl Searching<'_> {
                         let worth = choice.worth - price_of(load);
                         if worth > most {
                             (most, pick) = (worth, at as u8);
-                            best = Totals { load, value: choice.value, worth: choice.worth };
+                            best = Totals::default();
+                            best.draw(choice);
                         }
                     }
                 }
                 Target::Proxy(_) => {
                     let choice = &self.forms.choices(form)[0];
-                    let mut proxy = Totals {
-                        load: Load::default().plus(choice.triangles),
-                        value: choice.value,
-                        worth: choice.worth,
-                    };
+                    let mut proxy = Totals::default();
+                    proxy.draw(choice);
                     best = parts;
                     match form.before {
                         Before::Nothing => {}
                         Before::Proxy => best.worth = self.history.worth(parts.value, choice.value),
                         Before::Parts => proxy.worth = self.history.worth(choice.value, parts.value),
                     }
-                    let (own, other) =
-                        (proxy.worth - price_of(proxy.load), best.worth - price_of(best.load));
+                    let (own, other) = (proxy.worth - price_of(proxy.load), best.worth - price_of(best.load));
                     let cheaper = self.cost(proxy.load) <= self.cost(best.load);
                     if lock.group.unwrap_or(own > other || own == other && cheaper) {
                         (best, pick) = (proxy, 0);

@@ -24,8 +24,11 @@ pub(crate) struct Scene<'a> {
 /// A proxy as the camera sees it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
-    /// Estimated visible pixels of what it stands for.
+    /// Estimated visible pixels of what it stands for, in sum.
+    #[cfg(test)]
     pub(crate) pixels: f64,
+    /// As many of them as there can be: what it stands for hides each other.
+    pub(crate) shown: f64,
     pub(crate) triangles: u32,
     /// P(mu).
     pub(crate) ratio: f64,
@@ -130,11 +133,19 @@ impl Scene<'_> {
         if !outside || u64::from(triangles) >= visible_triangles || placed.instance.is_proxy_disturbed(node) {
             return None;
         }
-        let mu = placed.instance.boxes.proxy(node).mu(pixels, &entry.local, self.clip);
+        let (mu, shown) = placed.instance.boxes.proxy(node).mu_and_shown(pixels, &entry.local, self.clip);
         let ratio = self.detail.metric.ratio(mu);
         let error = visible_error(ratio, proxy.error, entry.local.pixels_per_radian(), distance);
-        let loss = proxy.deviation.loss(ratio * entry.local.pixels_per_radian() / to_eye.length());
-        Some(View { pixels, triangles, ratio, error, loss })
+        let loss = proxy.deviation.loss(entry.local.pixels_per_radian() / to_eye.length());
+        Some(View {
+            #[cfg(test)]
+            pixels,
+            shown,
+            triangles,
+            ratio,
+            error,
+            loss,
+        })
     }
 
     /// The visible error is so small that nothing finer is wanted.
@@ -187,7 +198,7 @@ impl Scene<'_> {
             return 0.0;
         }
         let deviation = self.tables.level(object.tree, object.levels.0, level).deviation;
-        deviation.loss(object.ratio * object.pixels_per_radian / object.to_center)
+        deviation.loss(object.pixels_per_radian / object.to_center)
     }
 
     pub(crate) fn level_triangles(&self, object: &ObjectView, level: u8) -> u32 {

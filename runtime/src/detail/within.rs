@@ -42,13 +42,14 @@ impl Within<'_> {
         hull.cover(forms);
         self.fill(forms, hull, tried, selector, &mut totals);
         let plain = self.plain(forms, tried, selector);
-        if plain > totals.worth {
+        if plain.worth > totals.worth {
+            totals = plain;
             hull.picks.fill(NOT);
             hull.covered.fill(false);
-            for (at, &index) in tried.iter().enumerate().filter(|&(at, _)| selector.is_chosen(at)) {
-                let _ = at;
+            for (_, &index) in tried.iter().enumerate().filter(|&(at, _)| selector.is_chosen(at)) {
                 hull.picks[index as usize] = forms.choices(&forms.list[index as usize]).len() as u8 - 1;
             }
+            self.fill(forms, hull, tried, selector, &mut totals);
         }
         self.write(forms, hull);
         visited
@@ -76,16 +77,13 @@ impl Within<'_> {
         for (at, &index) in tried.iter().enumerate() {
             if selector.is_chosen(at) {
                 hull.picks[index as usize] = 0;
-                let choice = &forms.choices(&forms.list[index as usize])[0];
-                totals.load = totals.load.plus(choice.triangles);
-                totals.value += choice.value;
-                totals.worth += choice.worth;
+                totals.draw(&forms.choices(&forms.list[index as usize])[0]);
             }
         }
     }
 
-    /// Chooses as if there were no proxies and no levels but those that are fine; returns what the choice is worth.
-    fn plain(&self, forms: &Forms, tried: &mut Vec<u32>, selector: &mut Selector) -> f64 {
+    /// Chooses as if there were no proxies and no levels but those that are fine; returns what the choice shows.
+    fn plain(&self, forms: &Forms, tried: &mut Vec<u32>, selector: &mut Selector) -> Totals {
         selector.clear(false);
         tried.clear();
         for (index, form) in forms.list.iter().enumerate().filter(|(_, form)| form.whole) {
@@ -94,9 +92,13 @@ impl Within<'_> {
             selector.push(choice.worth, choice.triangles, choice.worth > choice.value, &self.capacity);
         }
         selector.choose_after(Load::default(), &self.capacity);
-        let chosen = tried.iter().enumerate().filter(|&(at, _)| selector.is_chosen(at));
-        let worth = |index: u32| forms.choices(&forms.list[index as usize]).last().map_or(0.0, |c| c.worth);
-        chosen.map(|(_, &index)| worth(index)).sum()
+        let mut totals = Totals::default();
+        for (_, &index) in tried.iter().enumerate().filter(|&(at, _)| selector.is_chosen(at)) {
+            if let Some(choice) = forms.choices(&forms.list[index as usize]).last() {
+                totals.draw(choice);
+            }
+        }
+        totals
     }
 
     fn write(&mut self, forms: &Forms, hull: &Hull) {

@@ -25,7 +25,7 @@ pub struct LevelOptions {
 
 impl Default for LevelOptions {
     fn default() -> Self {
-        Self { share: 0.25, least_triangles: 48, most_levels: 8, largest_error: 0.05, samples: 4000 }
+        Self { share: 0.25, least_triangles: 12, most_levels: 8, largest_error: 0.2, samples: 2000 }
     }
 }
 

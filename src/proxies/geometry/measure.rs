@@ -33,9 +33,8 @@ pub struct Deviation {
 /// Compares two surfaces by about `samples` points of each (area samples, and as many vertices). If only one of them has
 /// triangles, everything is missing: the deviation is the diagonal of its box.
 pub fn measure(original: Surface<'_>, simplified: Surface<'_>, samples: usize) -> Deviation {
-    let [there, back] = [(original, simplified), (simplified, original)].map(|(from, to)| {
-        one_way(&from.samples(samples, samples), &TriangleTree::new(&to.triangles()))
-    });
+    let [there, back] = [(original, simplified), (simplified, original)]
+        .map(|(from, to)| one_way(&from.samples(samples, samples), &TriangleTree::new(&to.triangles())));
     match (there, back) {
         (Some(a), Some(b)) => Deviation { max: a.max.max(b.max), mean: a.mean.max(b.mean) },
         // One of the two is empty, or both are.

@@ -1,8 +1,8 @@
 //! The proxy of one node.
 
 use super::class::ClassMesh;
-use super::gather::{Part, gather};
 use super::fidelity::{Fidelity, Place, Target, moved, thinned};
+use super::gather::{Part, gather};
 use super::likeness::looks;
 use super::measure::{Reference, places};
 use super::palette::Palette;
@@ -26,7 +26,7 @@ pub struct NodeOptions {
 
 impl Default for NodeOptions {
     fn default() -> Self {
-        Self { target_triangles: 2000, tolerance: 0.0, visible_only: true, samples: 3000 }
+        Self { target_triangles: 2000, tolerance: 0.0, visible_only: true, samples: 1500 }
     }
 }
 
@@ -114,6 +114,8 @@ fn originals(
         parts.iter().filter(|part| matches!(part, Part::Mesh { .. })).copied().collect();
     let meshes = gather(&meshes, palette);
     all.extend(places(&meshes, &looks(&meshes), options.samples));
+    // Some of them are not seen: more than are wanted.
+    let mut all = thinned(&all, options.samples * 2);
     if let Some(seen) = seen {
         let nearest = Target::new(soup).nearest(&all);
         let seen: Vec<bool> = nearest.iter().map(|&(_, triangle)| seen[triangle as usize]).collect();
