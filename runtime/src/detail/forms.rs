@@ -35,13 +35,19 @@ pub(crate) struct Form {
     pub(crate) parent: u32,
     pub(crate) entry: u32,
     pub(crate) target: Target,
-    /// A proxy's parts do not count: it is fine enough.
-    pub(crate) whole: bool,
+    /// A proxy is fine enough: its parts are drawn only where they cost less.
+    pub(crate) fine: bool,
     /// Of a group with parts.
     pub(crate) before: Before,
     /// First of its choices, and how many there are: coarse to fine, one for a proxy.
     first: u32,
     count: u32,
+}
+
+impl Form {
+    pub(crate) fn is_object(&self) -> bool {
+        matches!(self.target, Target::Slot(_))
+    }
 }
 
 /// A way to draw something.
@@ -135,15 +141,11 @@ impl Forms {
                 node += 1;
                 continue;
             };
-            let whole =
+            let fine =
                 scene.is_fine(view.error) && !gives_way(scene, layout, index, node, &view, &mut self.pending);
-            let form = self.proxy(source, index, node, &view, whole, parent);
-            if whole {
-                (slot, node) = (slots.end, node + proxy.subtree);
-            } else {
-                self.around.push((form, node + proxy.subtree, slots.end));
-                node += 1;
-            }
+            let form = self.proxy(source, index, node, &view, fine, parent);
+            self.around.push((form, node + proxy.subtree, slots.end));
+            node += 1;
         }
         while let Some(&(_, _, slots_end)) = self.around.last() {
             self.slots(source, index, slot..slots_end, parent);
@@ -165,7 +167,7 @@ impl Forms {
         entry: u32,
         node: u32,
         view: &View,
-        whole: bool,
+        fine: bool,
         parent: u32,
     ) -> u32 {
         let value = view.shown * right(view.loss);
@@ -175,7 +177,7 @@ impl Forms {
         self.choices.push(Choice { triangles: view.triangles, level: 0, value, worth });
         let form = self.list.len() as u32;
         let (parent, target) = (self.above(parent), Target::Proxy(node));
-        self.list.push(Form { parent, entry, target, whole, before, first, count: 1 });
+        self.list.push(Form { parent, entry, target, fine, before, first, count: 1 });
         form
     }
 
@@ -224,7 +226,7 @@ impl Forms {
         }
         let count = self.choices.len() as u32 - first;
         let (target, before) = (Target::Slot(slot), Before::Nothing);
-        self.list.push(Form { parent, entry, target, whole: true, before, first, count });
+        self.list.push(Form { parent, entry, target, fine: false, before, first, count });
     }
 }
 

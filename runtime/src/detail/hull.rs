@@ -189,7 +189,8 @@ impl Searching<'_> {
                     }
                     let (own, other) = (proxy.worth - price_of(proxy.load), best.worth - price_of(best.load));
                     let cheaper = self.cost(proxy.load) <= self.cost(best.load);
-                    if lock.group.unwrap_or(own > other || own == other && cheaper) {
+                    let better = own > other || cheaper && (own == other || form.fine && own > 0.0);
+                    if lock.group.unwrap_or(better) {
                         (best, pick) = (proxy, 0);
                     }
                 }

@@ -67,7 +67,7 @@ impl Within<'_> {
         selector.clear(false);
         tried.clear();
         for (index, form) in forms.list.iter().enumerate() {
-            if form.whole && hull.picks[index] == NOT && !hull.covered[index] {
+            if form.is_object() && hull.picks[index] == NOT && !hull.covered[index] {
                 let choice = &forms.choices(form)[0];
                 tried.push(index as u32);
                 selector.push(choice.worth, choice.triangles, choice.worth > choice.value, &self.capacity);
@@ -86,7 +86,7 @@ impl Within<'_> {
     fn plain(&self, forms: &Forms, tried: &mut Vec<u32>, selector: &mut Selector) -> Totals {
         selector.clear(false);
         tried.clear();
-        for (index, form) in forms.list.iter().enumerate().filter(|(_, form)| form.whole) {
+        for (index, form) in forms.list.iter().enumerate().filter(|(_, form)| form.is_object()) {
             let Some(choice) = forms.choices(form).last() else { continue };
             tried.push(index as u32);
             selector.push(choice.worth, choice.triangles, choice.worth > choice.value, &self.capacity);
