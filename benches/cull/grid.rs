@@ -101,6 +101,7 @@ pub(crate) fn proxies(tree: &Tree, bounds: &[Bounds], triangles: &[u32]) -> (Pro
         object_count: nodes.iter().map(|node| node.object_count).collect(),
         object: None,
         error: spheres.iter().map(|(_, radius)| radius * 0.01).collect(),
+        deviation: None,
         mesh: vec![0; nodes.len()],
         origin: vec![[0.0; 3]; nodes.len()],
     };

@@ -1,5 +1,6 @@
 //! From the extension's JSON and the accessors' bytes to checked trees.
 
+use crate::deviation::Deviation;
 use crate::encode::parse_hash;
 use crate::error::{DecodeError, TreeError};
 #[cfg(feature = "json")]
@@ -226,6 +227,11 @@ fn read_proxies(json: &ProxiesJson, source: &dyn AccessorSource) -> Result<Proxy
         object_count: reader("PROXY_OBJECT_COUNT", tables.object_count).integers()?,
         object: tables.object.map(|index| reader("PROXY_OBJECT", index).integers()).transpose()?,
         error: reader("PROXY_ERROR", tables.error).floats::<1>()?.into_iter().flatten().collect(),
+        deviation: tables
+            .deviation
+            .map(|index| reader("PROXY_DEVIATION", index).floats::<3>())
+            .transpose()?
+            .map(|rows| rows.into_iter().map(|[mean, rms, wrong]| Deviation { mean, rms, wrong }).collect()),
         mesh: reader("PROXY_MESH", tables.mesh).integers()?,
         origin: reader("PROXY_ORIGIN", tables.origin).floats::<3>()?,
     })

@@ -154,6 +154,14 @@ pub enum TreeError {
         /// Index of the proxy.
         node: usize,
     },
+    /// A deviation is not one: see [`crate::Deviation`].
+    #[error(
+        "node {node}: its deviation is negative, not finite, of a mean above the rms or an rms above the error"
+    )]
+    ProxyDeviation {
+        /// Index of the proxy.
+        node: usize,
+    },
     /// An origin is not finite.
     #[error("node {node}: its origin is not finite")]
     ProxyOrigin {

@@ -159,6 +159,10 @@ pub struct MeshLevelJson {
     pub mesh: u32,
     /// Geometric error, metres of mesh space.
     pub error: f64,
+    /// Mean and root mean square of the distance, metres of mesh space, and the share that looks wrong. Absent: the error
+    /// everywhere, and nothing wrong.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deviation: Option<[f64; 3]>,
 }
 
 /// The proxies of a tree.
@@ -171,7 +175,8 @@ pub struct ProxiesJson {
     pub tables: ProxyTables,
 }
 
-/// Accessor indices of the tables of proxies. All are required but [`Self::object`].
+/// Accessor indices of the tables of proxies. All are required but [`Self::object`] and
+/// [`Self::deviation`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "json", derive(Serialize, Deserialize))]
 pub struct ProxyTables {
@@ -196,6 +201,13 @@ pub struct ProxyTables {
     /// SCALAR FLOAT: geometric error, metres of tree space.
     #[cfg_attr(feature = "json", serde(rename = "PROXY_ERROR"))]
     pub error: u32,
+    /// VEC3 FLOAT: mean and root mean square of the distance, metres of tree space, and the share that looks wrong. Absent:
+    /// the error everywhere, and nothing wrong.
+    #[cfg_attr(
+        feature = "json",
+        serde(rename = "PROXY_DEVIATION", default, skip_serializing_if = "Option::is_none")
+    )]
+    pub deviation: Option<u32>,
     /// SCALAR unsigned integer: glTF mesh.
     #[cfg_attr(feature = "json", serde(rename = "PROXY_MESH"))]
     pub mesh: u32,
@@ -208,7 +220,8 @@ impl ProxyTables {
     /// The accessors of all tables there are.
     pub fn accessors(&self) -> impl Iterator<Item = u32> + '_ {
         let all = [self.sphere, self.subtree, self.first_object, self.object_count];
-        all.into_iter().chain(self.object).chain([self.error, self.mesh, self.origin])
+        let rest = [self.error, self.mesh, self.origin];
+        all.into_iter().chain(self.object).chain(rest).chain(self.deviation)
     }
 }
 

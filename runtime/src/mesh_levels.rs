@@ -1,5 +1,6 @@
 //! Simplified versions of single meshes.
 
+use crate::deviation::Deviation;
 use crate::error::DecodeError;
 use crate::format::MeshLevelsJson;
 use crate::sorting::repeated;
@@ -21,6 +22,8 @@ pub struct MeshLevel {
     /// Geometric error, metres of mesh space, finite and not negative. In the space of a tree: times the largest singular
     /// value of the linear part of the transform from mesh to tree.
     pub error: f32,
+    /// How much of the original it shows wrong; lengths in metres of mesh space.
+    pub deviation: Deviation,
 }
 
 /// Most levels of a mesh.
@@ -48,7 +51,13 @@ pub(crate) fn read(entries: &[MeshLevelsJson]) -> Result<Vec<MeshLevels>, Decode
                     return problem("errors must be finite, not negative and not fall");
                 }
                 least = error;
-                levels.push(MeshLevel { mesh: level.mesh, error });
+                let deviation = level.deviation.map_or(Deviation::of_error(error), |[mean, rms, wrong]| {
+                    Deviation { mean: mean as f32, rms: rms as f32, wrong: wrong as f32 }
+                });
+                if !deviation.is_valid(error) {
+                    return problem("a deviation must be in order: 0 <= mean <= rms <= error, wrong 0 to 1");
+                }
+                levels.push(MeshLevel { mesh: level.mesh, error, deviation });
             }
             Ok(MeshLevels { mesh: json.mesh, levels })
         })
@@ -62,7 +71,7 @@ mod tests {
 
     fn entry(mesh: u32, errors: &[f64]) -> MeshLevelsJson {
         let levels = errors.iter().enumerate();
-        let levels = levels.map(|(k, &error)| MeshLevelJson { mesh: 100 + k as u32, error });
+        let levels = levels.map(|(k, &error)| MeshLevelJson { mesh: 100 + k as u32, error, deviation: None });
         MeshLevelsJson { mesh, levels: levels.collect() }
     }
 
@@ -70,7 +79,10 @@ mod tests {
     fn errors_rise() {
         let read = |errors: &[f64]| read(&[entry(1, &[0.0]), entry(3, errors)]);
         let levels = read(&[0.5, 0.5, 2.0]).unwrap();
-        assert_eq!((levels[1].mesh, levels[1].levels[2]), (3, MeshLevel { mesh: 102, error: 2.0 }));
+        assert_eq!(
+            (levels[1].mesh, levels[1].levels[2]),
+            (3, MeshLevel { mesh: 102, error: 2.0, deviation: Deviation::of_error(2.0) })
+        );
         for bad in [&[][..], &[1.0, 0.5], &[-1.0], &[f64::NAN], &[1e300], &[0.0; 65]] {
             assert!(matches!(read(bad), Err(DecodeError::MeshLevels { entry: 1, .. })), "{bad:?}");
         }

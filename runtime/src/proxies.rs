@@ -1,5 +1,6 @@
 //! Proxies: meshes that stand for groups of objects, in a hierarchy of their own over the tree's objects.
 
+use crate::deviation::Deviation;
 use crate::error::TreeError;
 use crate::nesting::{self, Names, expect_length};
 use crate::tables::sphere;
@@ -23,6 +24,8 @@ pub struct ProxyTables {
     pub object: Option<Vec<u32>>,
     /// Geometric errors, metres of tree space.
     pub error: Vec<f32>,
+    /// By area; `None`: not known, see [`Deviation::of_error`].
+    pub deviation: Option<Vec<Deviation>>,
     /// glTF mesh of each.
     pub mesh: Vec<u32>,
     /// What is added to the mesh's positions, metres of tree space.
@@ -63,6 +66,8 @@ pub struct ProxyNode {
     pub depth: u32,
     /// Geometric error, metres: at most so far is the proxy from what it stands for. Not larger than the parent's.
     pub error: f32,
+    /// How much of what it stands for it shows wrong.
+    pub deviation: Deviation,
     /// glTF mesh.
     pub mesh: u32,
     /// Added to the mesh's positions, metres.
@@ -94,6 +99,9 @@ impl Proxies {
     fn check(tables: ProxyTables, object_count: u32) -> Result<Self, TreeError> {
         let count = tables.sphere.len();
         expect_length("PROXY_ERROR", tables.error.len(), count as u64)?;
+        if let Some(deviation) = &tables.deviation {
+            expect_length("PROXY_DEVIATION", deviation.len(), count as u64)?;
+        }
         expect_length("PROXY_MESH", tables.mesh.len(), count as u64)?;
         expect_length("PROXY_ORIGIN", tables.origin.len(), count as u64)?;
         let order = tables.object.map(|places| Order::new(places, object_count)).transpose()?;
@@ -108,6 +116,13 @@ impl Proxies {
             if !(0.0..=most).contains(&error) {
                 return Err(TreeError::ProxyError { node });
             }
+            let deviation = match &tables.deviation {
+                Some(all) => all[node],
+                None => Deviation::of_error(error),
+            };
+            if !deviation.is_valid(error) {
+                return Err(TreeError::ProxyDeviation { node });
+            }
             let origin = Vec3::from(tables.origin[node]);
             if !origin.is_finite() {
                 return Err(TreeError::ProxyOrigin { node });
@@ -120,6 +135,7 @@ impl Proxies {
                 object_count: tables.object_count[node],
                 depth,
                 error,
+                deviation,
                 mesh: tables.mesh[node],
                 origin,
             });

@@ -122,9 +122,7 @@ fn a_scene_culler_never_allocates_once_warm() {
         culler.set_triangles(tree as u32, &vec![7; bounds.len()]).unwrap();
         culler.set_proxy_triangles(tree as u32, &[30, 20, 20]).unwrap();
         let starts: Vec<u32> = (0..=bounds.len() as u32).collect();
-        culler
-            .set_levels(tree as u32, &starts, &vec![Level { triangles: 3, error: 0.05 }; bounds.len()])
-            .unwrap();
+        culler.set_levels(tree as u32, &starts, &vec![Level::new(3, 0.05); bounds.len()]).unwrap();
     }
     let others = sample(3, true).bounds;
     culler.set_loose(&others, &vec![9; others.len()]).unwrap();

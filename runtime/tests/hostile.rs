@@ -283,6 +283,7 @@ fn deep_chains_of_proxies_are_fine() {
         object_count: (1..=n).rev().collect(),
         object: None,
         error: vec![1.0; n as usize],
+        deviation: None,
         mesh: vec![0; n as usize],
         origin: vec![[0.0; 3]; n as usize],
     };

@@ -22,7 +22,7 @@ const LEAST_TRIANGLES: usize = 48;
 
 /// Simplified meshes take the place of originals in a proxy if their error is at most this part of the node's radius, or half
 /// of what the finest proxies may have: far less than the proxy's own.
-const UNSEEN: f64 = 0.001;
+const UNSEEN: f64 = 0.002;
 
 /// The coarsest proxies of a tree together have at most this share of its triangles, if they can.
 const ROOT_SHARE: f64 = 0.003;

@@ -1,4 +1,5 @@
-//! Simplified versions of single meshes: of large ones, and of small ones that are drawn often.
+//! Simplified versions of single meshes: of large ones, and of small ones that are drawn often. Where the camera is among
+//! the objects no proxy can be drawn, and they are all that stands between an object and nothing.
 
 use super::ProxyTree;
 use super::geometry::{LevelOptions, MeshLevel, simplify_mesh_levels};
@@ -8,7 +9,10 @@ use rayon::prelude::*;
 use svs_render::Mesh;
 
 /// Meshes with fewer triangles are not simplified, however often they are drawn.
-const LEAST_TRIANGLES: u64 = 192;
+const LEAST_TRIANGLES: u64 = 64;
+
+/// Nor are those of which fewer are drawn, all together.
+const LEAST_DRAWN: u64 = 192;
 
 /// A mesh and its simplified versions.
 #[derive(Clone, Debug)]
@@ -23,13 +27,8 @@ pub(super) struct Simplified {
     pub(super) levels: Vec<MeshLevel>,
 }
 
-/// Simplifies meshes that the trees' objects draw at least `triangles` triangles of, all together.
-pub(super) fn simplify(
-    scene: &Scene,
-    trees: &[ProxyTree<'_>],
-    meshes: &[Mesh],
-    triangles: u64,
-) -> Vec<Simplified> {
+/// Simplifies meshes that the trees' objects draw many triangles of.
+pub(super) fn simplify(scene: &Scene, trees: &[ProxyTree<'_>], meshes: &[Mesh]) -> Vec<Simplified> {
     let mut uses = vec![0u64; scene.meshes.len()];
     for tree in trees {
         for (part, &object) in tree.subject.parts.iter().zip(&tree.subject.objects) {
@@ -38,7 +37,7 @@ pub(super) fn simplify(
     }
     let wanted = |mesh: usize| {
         let own = u64::from(scene.meshes[mesh].drawn_triangles);
-        own >= LEAST_TRIANGLES && own * uses[mesh] >= triangles
+        own >= LEAST_TRIANGLES && own * uses[mesh] >= LEAST_DRAWN
     };
     let chosen: Vec<usize> = (0..scene.meshes.len()).filter(|&mesh| wanted(mesh)).collect();
     chosen

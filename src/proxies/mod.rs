@@ -109,7 +109,7 @@ pub fn bake(
     let looks = appearance::read(document, scene)?;
     let palette = Palette::new(&looks.data.materials, &looks.data.images);
     progress.stage("mesh levels", None);
-    let meshes = mesh_levels::simplify(scene, trees, &looks.data.meshes, u64::from(options.triangles));
+    let meshes = mesh_levels::simplify(scene, trees, &looks.data.meshes);
     let mut simplified = vec![None; looks.data.meshes.len()];
     for mesh in &meshes {
         simplified[mesh.mesh as usize] = Some(mesh);
@@ -321,7 +321,9 @@ impl Made {
                 let triangles: Vec<Triangles<'_>> =
                     primitives.map(|p| of_primitive(p, materials.of_original(p.material))).collect();
                 if let Some(mesh) = encoder.mesh(triangles.into_iter()) {
-                    levels.push(json!({"mesh": mesh, "error": level.error}));
+                    let error = level.error as f32;
+                    let deviation = tables::deviation(&level.fidelity, 0.0, f64::from(error));
+                    levels.push(json!({"mesh": mesh, "error": error, "deviation": deviation}));
                     bake.report.mesh_level_triangles += level.triangles as u64;
                 }
             }

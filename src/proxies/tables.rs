@@ -1,7 +1,7 @@
 //! The proxies that are stored, as tables of the extension.
 
 use super::build::{Built, children};
-use super::geometry::ProxyGeometry;
+use super::geometry::{Fidelity, ProxyGeometry};
 use super::hierarchy::ProxyHierarchy;
 use crate::bake::encode::{EncodedTable, floats, integers};
 use crate::bake::prune;
@@ -17,6 +17,8 @@ pub(super) struct Row {
     pub(super) first_object: u32,
     pub(super) object_count: u32,
     pub(super) error: f32,
+    /// Mean, root mean square, share that looks wrong.
+    pub(super) deviation: [f32; 3],
     /// Node (an original) and level whose geometry it is.
     pub(super) content: (u32, usize),
     pub(super) origin: Vec3,
@@ -73,6 +75,7 @@ pub(super) fn rows(
                 first_object: node.members.start,
                 object_count: node.members.end - node.members.start,
                 error: up(geometry.error + rounding),
+                deviation: deviation(&geometry.fidelity, rounding, geometry.error + rounding),
                 content: (original as u32, level),
                 origin,
                 depth: parents[rows.len()].map_or(0, |parent| rows[parent].depth + 1),
@@ -162,6 +165,15 @@ fn reach(geometry: &ProxyGeometry, shift: DVec3) -> f64 {
     positions.map(|&p| (Vec3::from_array(p).as_dvec3() + shift).length()).fold(0.0, f64::max)
 }
 
+/// As it is stored: the mean is at most the root mean square, and that is at most the error.
+pub(super) fn deviation(fidelity: &Fidelity, rounding: f64, error: f64) -> [f32; 3] {
+    let error = error.min(f64::from(f32::MAX));
+    let rms = (fidelity.rms + rounding).min(error) as f32;
+    // Rounded down, where it is the error.
+    let rms = if f64::from(rms) > error { rms.next_down() } else { rms }.max(0.0);
+    [((fidelity.mean + rounding).min(error) as f32).min(rms), rms, fidelity.wrong.clamp(0.0, 1.0) as f32]
+}
+
 /// The nearest `f32` that is not smaller.
 fn up(value: f64) -> f32 {
     let rounded = value as f32;
@@ -178,6 +190,7 @@ pub(super) fn encode(rows: &[Row], meshes: &[u32], places: &[u32]) -> Vec<Encode
         integers("PROXY_FIRST_OBJECT", rows.iter().map(|row| row.first_object)),
         integers("PROXY_OBJECT_COUNT", rows.iter().map(|row| row.object_count)),
         floats("PROXY_ERROR", "SCALAR", rows.iter().map(|row| row.error)),
+        floats("PROXY_DEVIATION", "VEC3", rows.iter().flat_map(|row| row.deviation)),
         integers("PROXY_MESH", meshes.iter().copied()),
         floats("PROXY_ORIGIN", "VEC3", rows.iter().flat_map(|row| row.origin.to_array())),
     ];

@@ -7,7 +7,7 @@ use glam::DAffine3;
 use serde_json::Value;
 use std::collections::{BTreeSet, HashMap};
 use svs_render::{Object, SceneData};
-use svs_runtime::{BoundsError, Draw, LOOSE, Level, SceneCuller, Selected, SelectedKind, stretch};
+use svs_runtime::{BoundsError, Deviation, Draw, LOOSE, Level, SceneCuller, Selected, SelectedKind, stretch};
 
 /// No object.
 const NONE: u32 = u32::MAX;
@@ -126,9 +126,16 @@ impl Extras {
                 let object = baked.object_of(draw).filter(|_| !nested.contains(&draw.object));
                 if let Some(object) = object {
                     let stretch = stretch(&(from_world * scene.objects[object as usize].to_world));
+                    let stretched =
+                        |length: f32| (f64::from(length) * stretch).min(f64::from(f32::MAX)) as f32;
                     levels.extend(levels_of(object).iter().map(|level| Level {
                         triangles: triangles(level.mesh),
-                        error: (f64::from(level.error) * stretch).min(f64::from(f32::MAX)) as f32,
+                        error: stretched(level.error),
+                        deviation: Deviation {
+                            mean: stretched(level.deviation.mean),
+                            rms: stretched(level.deviation.rms),
+                            wrong: level.deviation.wrong,
+                        },
                     }));
                 }
                 starts.push(levels.len() as u32);

@@ -15,7 +15,7 @@
 //! | `OBJECT_ORDER_DUPLICATE` | Error | the same object twice |
 //! | `LEVEL_ROW_INDEX_OUT_OF_RANGE`, `LEVEL_ROW_PADDING`, `LEVEL_TOO_LARGE` | Error | levels that cannot be |
 //! | `NESTED_CYCLE`, `NESTED_INVALID`, `NESTED_MISPLACED` | Error | a tree within itself; an entry that names what is not there, or twice; an anchor that is not where the outer tree has it |
-//! | `PROXY_SUBTREE_INVALID`, `PROXY_OBJECTS_INVALID`, `PROXY_SPHERE_INVALID`, `PROXY_ERROR_INVALID`, `PROXY_ORIGIN_INVALID`, `PROXY_OBJECT_INVALID` | Error | proxies do not nest; numbers that are not finite, errors that are negative or rise; an order that is no permutation |
+//! | `PROXY_SUBTREE_INVALID`, `PROXY_OBJECTS_INVALID`, `PROXY_SPHERE_INVALID`, `PROXY_ERROR_INVALID`, `PROXY_DEVIATION_INVALID`, `PROXY_ORIGIN_INVALID`, `PROXY_OBJECT_INVALID` | Error | proxies do not nest; numbers that are not finite, errors that are negative or rise; deviations above the errors; an order that is no permutation |
 //! | `PROXY_MESH_USED`, `MESH_LEVEL_USED` | Error | a node draws what stands for others |
 //! | `MESH_LEVELS_INVALID`, `MESH_LEVEL_NOT_SIMPLER` | Error | a mesh with two entries, or levels of levels; errors that fall, triangles that do not |
 //! | `TREE_INVALID` | Error | refused by the decoder for another reason |

@@ -7,13 +7,14 @@ use serde_json::Value;
 use svs_runtime::AccessorSource;
 use svs_runtime::sharing::first_excess;
 
-const KNOWN_OF_PROXIES: [&str; 10] = [
+const KNOWN_OF_PROXIES: [&str; 11] = [
     "PROXY_SPHERE",
     "PROXY_SUBTREE",
     "PROXY_FIRST_OBJECT",
     "PROXY_OBJECT_COUNT",
     "PROXY_OBJECT",
     "PROXY_ERROR",
+    "PROXY_DEVIATION",
     "PROXY_MESH",
     "PROXY_ORIGIN",
     "extensions",
@@ -44,8 +45,8 @@ pub(super) fn read<'a>(
     let mut named = Vec::new();
     let trees = extension["trees"].as_array().map_or(&[][..], Vec::as_slice);
     for (tree, json) in trees.iter().enumerate() {
-        let of_tree = (&json["tables"], "", &KNOWN);
-        let of_proxies = (&json["proxies"]["tables"], "/proxies", &KNOWN_OF_PROXIES);
+        let of_tree = (&json["tables"], "", &KNOWN[..]);
+        let of_proxies = (&json["proxies"]["tables"], "/proxies", &KNOWN_OF_PROXIES[..]);
         let entries = [of_tree, of_proxies].into_iter().flat_map(|(tables, below, known)| {
             let entries = tables.as_object().into_iter().flatten();
             entries.map(move |(name, index)| (name, index, below, known))

@@ -145,6 +145,7 @@ fn place(error: &TreeError) -> (&'static str, String) {
             TreeError::ObjectRange { .. } => table("PROXY_OBJECTS_INVALID", "PROXY_FIRST_OBJECT"),
             TreeError::Sphere { .. } => table("PROXY_SPHERE_INVALID", "PROXY_SPHERE"),
             TreeError::ProxyError { .. } => table("PROXY_ERROR_INVALID", "PROXY_ERROR"),
+            TreeError::ProxyDeviation { .. } => table("PROXY_DEVIATION_INVALID", "PROXY_DEVIATION"),
             TreeError::ProxyOrigin { .. } => table("PROXY_ORIGIN_INVALID", "PROXY_ORIGIN"),
             TreeError::ProxyOrder { .. } => table("PROXY_OBJECT_INVALID", "PROXY_OBJECT"),
             other => place(other),

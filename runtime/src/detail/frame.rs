@@ -14,7 +14,7 @@ const GUEST: u32 = 1 << 31;
 
 /// State of a slot: nothing is drawn for it.
 pub(crate) const DROPPED: u8 = u8::MAX;
-/// State of a slot: a proxy stands for it, or the tree around it was dropped.
+/// State of a slot: a proxy stands for it.
 pub(crate) const COVERED: u8 = u8::MAX - 1;
 
 /// What becomes of a proxy.
@@ -25,8 +25,6 @@ pub(crate) enum NodeState {
     Covered,
     /// What is below it decides for itself.
     Refined,
-    /// It did not fit, so its parts were tried.
-    Split,
     Drawn,
 }
 

@@ -59,15 +59,6 @@ pub(crate) fn visible_error(ratio: f64, error: f32, pixels_per_radian: f64, dist
     if ratio > 0.0 { ratio * (f64::from(error) * pixels_per_radian / distance) } else { 0.0 }
 }
 
-/// Pixels of visible error that are half as bad as drawing nothing.
-const HALF_LOSS: f64 = 8.0;
-
-/// How much of what is visible of a thing is lost by a visible error: 0 without an error, rising towards 1, which is
-/// drawing nothing.
-pub(crate) fn loss(error: f64) -> f64 {
-    1.0 - HALF_LOSS / (HALF_LOSS + error)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

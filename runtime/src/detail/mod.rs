@@ -1,11 +1,12 @@
 //! What to draw of what is visible, and how coarse: originals, simplified levels, proxies, or nothing.
 
 mod cut;
+mod forms;
 mod frame;
 mod history;
+mod hull;
 mod metric;
 pub(crate) mod mu;
-mod step;
 mod tables;
 mod view;
 mod within;
@@ -15,10 +16,12 @@ use crate::camera::Camera;
 use crate::query::Settings;
 use crate::scene::{Draw, SceneCuller};
 use cut::Drawn;
+use forms::Source;
 use frame::{Entry, Frame};
+use history::History;
 use tables::Tables;
 use view::Scene;
-use within::{Search, Searching};
+use within::{Search, Within};
 
 pub use metric::Metric;
 pub use tables::Level;
@@ -112,9 +115,11 @@ impl SceneCuller {
     /// ([`Self::set_hidden`]), or where what is visible of that has no more triangles than the proxy.
     ///
     /// Without a budget, the first proxy from the top that is fine enough is drawn, and each object on none of them at its
-    /// coarsest level that is fine enough. With one, and if that does not fit, everything begins in its coarsest form (what
-    /// still does not fit is left out, the least visible pixels per triangle first) and is refined where that shows most for
-    /// what it costs, down to `detail.tau`. What was refined in the last frame counts more, see [`Self::set_hysteresis`].
+    /// coarsest level that is fine enough. With one, and if that does not fit, what shows most of what is visible is drawn:
+    /// the best of all cuts at the price at which the budget is nearly used up, filled up with what still fits, or what
+    /// [`Self::cull_within`] would choose, if that shows more. A simplified thing shows its pixels times the square of the
+    /// share of them that it shows right, see [`crate::Deviation`]. Nothing is finer than `detail.tau` asks for. What was
+    /// drawn in the last frame counts more, see [`Self::set_hysteresis`].
     /// [`Budget::StopAtFirstMisfit`] is taken for [`Budget::Triangles`].
     ///
     /// The order is that of [`Self::cull`], but within a tree that of its proxies.
@@ -156,18 +161,13 @@ impl SceneCuller {
             cut::unlimited(&scene, layout, states, pending, |entry, drawn| output.draw(entry, &drawn));
         if let Some(capacity) = capacity.filter(|capacity| !capacity.fits(output.load)) {
             states.reset(layout);
-            let mut searching = Searching {
+            let source = Source {
                 scene: &scene,
                 layout,
-                states,
-                before: Some(&state.before),
-                hysteresis: self.within.hysteresis,
-                capacity,
-                spent: Load::default(),
-                visited,
+                history: History { frame: &state.before, factor: self.within.hysteresis },
             };
-            searching.run(&mut state.search, &mut self.within.selector);
-            visited = searching.visited;
+            let mut within = Within { source, states, capacity };
+            visited += within.run(&mut state.search, &mut self.within.selector);
             output.clear();
             cut::chosen(&scene, layout, states, |entry, drawn| output.draw(entry, &drawn));
         }

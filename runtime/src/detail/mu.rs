@@ -59,9 +59,14 @@ impl Shape {
 
     /// The degree of visibility, 0 to 1, where `visible` pixels are; 1 if the eye may be inside or nothing could be seen.
     pub(crate) fn mu(&self, visible: f64, camera: &Camera, clip: bool) -> f64 {
+        self.mu_and_shown(visible, camera, clip).0
+    }
+
+    /// The same, and how many of the `visible` pixels there can be at most.
+    pub(crate) fn mu_and_shown(&self, visible: f64, camera: &Camera, clip: bool) -> (f64, f64) {
         match self.pixels(camera, clip) {
-            Some(pixels) if pixels > 0.0 => (visible / pixels).clamp(0.0, 1.0),
-            _ => 1.0,
+            Some(pixels) if pixels > 0.0 => ((visible / pixels).clamp(0.0, 1.0), visible.min(pixels)),
+            _ => (1.0, visible),
         }
     }
 }

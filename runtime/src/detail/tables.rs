@@ -1,6 +1,7 @@
 //! What the engine tells of proxies and levels.
 
 use crate::bounds::BoundsError;
+use crate::deviation::Deviation;
 use crate::mesh_levels::MOST_LEVELS;
 use crate::scene::SceneCuller;
 
@@ -12,6 +13,15 @@ pub struct Level {
     /// Geometric error, metres of tree space: that of [`crate::MeshLevel`] times the largest singular value of the linear
     /// part of the object's transform in its tree.
     pub error: f32,
+    /// How much of the original it shows wrong: that of [`crate::MeshLevel`], its lengths times the same.
+    pub deviation: Deviation,
+}
+
+impl Level {
+    /// A level of which only the error is known.
+    pub fn new(triangles: u32, error: f32) -> Self {
+        Self { triangles, error, deviation: Deviation::of_error(error) }
+    }
 }
 
 /// Of all trees.
@@ -71,7 +81,7 @@ impl SceneCuller {
     ///
     /// # Errors
     /// [`BoundsError`] if there is no such tree, `starts` is not ascending from 0 to the number of levels with one entry per
-    /// object and one more, or an object has more than 64 levels, or errors that are not finite or fall, or triangles that
+    /// object and one more, or an object has more than 64 levels, or errors that are not finite or fall, or deviations out of order, or triangles that
     /// rise from one level to the next.
     pub fn set_levels(&mut self, tree: u32, starts: &[u32], levels: &[Level]) -> Result<(), BoundsError> {
         let index = tree as usize;
@@ -85,7 +95,7 @@ impl SceneCuller {
         for (object, range) in starts.windows(2).enumerate() {
             let of_object = levels.get(range[0] as usize..range[1] as usize);
             let of_object = of_object.ok_or(BoundsError::LevelStarts { tree: index })?;
-            let finite = of_object.iter().all(|level| level.error.is_finite() && level.error >= 0.0);
+            let finite = of_object.iter().all(|level| level.deviation.is_valid(level.error));
             let coarser =
                 |pair: &[Level]| pair[1].error >= pair[0].error && pair[1].triangles <= pair[0].triangles;
             if of_object.len() > MOST_LEVELS || !finite || !of_object.windows(2).all(coarser) {

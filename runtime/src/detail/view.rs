@@ -24,13 +24,18 @@ pub(crate) struct Scene<'a> {
 /// A proxy as the camera sees it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
-    /// Estimated visible pixels of what it stands for.
+    /// Estimated visible pixels of what it stands for, in sum.
+    #[cfg(test)]
     pub(crate) pixels: f64,
+    /// As many of them as there can be: what it stands for hides each other.
+    pub(crate) shown: f64,
     pub(crate) triangles: u32,
     /// P(mu).
     pub(crate) ratio: f64,
     /// Visible error in pixels: P(mu) times the screen-space error.
     pub(crate) error: f64,
+    /// Share of its visible pixels that it shows wrong.
+    pub(crate) loss: f64,
 }
 
 /// A level of an object as the camera sees it.
@@ -42,6 +47,8 @@ pub(crate) struct ObjectView {
     pixels_per_radian: f64,
     /// From the eye to the nearest point of its box, metres.
     pub(crate) distance: f64,
+    /// From the eye to the centre of its box, metres.
+    to_center: f64,
     /// Index of its first level in its tree's list, and levels that have fewer triangles than the original.
     levels: (u32, u8),
     tree: u32,
@@ -126,10 +133,19 @@ impl Scene<'_> {
         if !outside || u64::from(triangles) >= visible_triangles || placed.instance.is_proxy_disturbed(node) {
             return None;
         }
-        let mu = placed.instance.boxes.proxy(node).mu(pixels, &entry.local, self.clip);
+        let (mu, shown) = placed.instance.boxes.proxy(node).mu_and_shown(pixels, &entry.local, self.clip);
         let ratio = self.detail.metric.ratio(mu);
         let error = visible_error(ratio, proxy.error, entry.local.pixels_per_radian(), distance);
-        Some(View { pixels, triangles, ratio, error })
+        let loss = proxy.deviation.loss(entry.local.pixels_per_radian() / to_eye.length());
+        Some(View {
+            #[cfg(test)]
+            pixels,
+            shown,
+            triangles,
+            ratio,
+            error,
+            loss,
+        })
     }
 
     /// The visible error is so small that nothing finer is wanted.
@@ -160,6 +176,7 @@ impl Scene<'_> {
             ratio,
             pixels_per_radian: entry.local.pixels_per_radian(),
             distance,
+            to_center: (entry.local.eye() - (bounds.min.as_dvec3() + bounds.max.as_dvec3()) * 0.5).length(),
             levels: if usable { levels } else { (0, 0) },
             tree: candidate.draw.tree,
             original: candidate.triangles,
@@ -173,6 +190,15 @@ impl Scene<'_> {
         }
         let error = self.tables.level(object.tree, object.levels.0, level).error;
         visible_error(object.ratio, error, object.pixels_per_radian, object.distance)
+    }
+
+    /// Share of its visible pixels that a level shows wrong.
+    pub(crate) fn level_loss(&self, object: &ObjectView, level: u8) -> f64 {
+        if level == 0 {
+            return 0.0;
+        }
+        let deviation = self.tables.level(object.tree, object.levels.0, level).deviation;
+        deviation.loss(object.pixels_per_radian / object.to_center)
     }
 
     pub(crate) fn level_triangles(&self, object: &ObjectView, level: u8) -> u32 {

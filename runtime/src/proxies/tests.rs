@@ -12,6 +12,7 @@ fn tables() -> ProxyTables {
         object_count: vec![5, 2, 2],
         object: Some(vec![5, 4, 3, 2, 1, 0]),
         error: vec![0.5, 0.25, 0.5],
+        deviation: None,
         mesh: vec![7, 8, 8],
         origin: vec![[0.0; 3], [-3.0, 0.0, 0.0], [3.0, 0.0, 0.0]],
     }
@@ -46,6 +47,21 @@ fn errors_do_not_rise_downwards() {
     for bad in [-0.1, f32::NAN, f32::INFINITY] {
         assert_eq!(refused(|t| t.error[0] = bad), TreeError::ProxyError { node: 0 });
     }
+}
+
+#[test]
+fn deviations_are_within_the_errors() {
+    let of = |mean, rms, wrong| Deviation { mean, rms, wrong };
+    let good = vec![of(0.1, 0.5, 0.0), of(0.0, 0.0, 1.0), of(0.25, 0.25, 0.5)];
+    let known = Proxies::new(ProxyTables { deviation: Some(good.clone()), ..tables() }, 6).unwrap();
+    assert_eq!(known.nodes()[2].deviation, good[2]);
+    assert_eq!(Proxies::new(tables(), 6).unwrap().nodes()[1].deviation, Deviation::of_error(0.25));
+    for bad in [of(0.1, 0.3, 0.0), of(0.2, 0.1, 0.0), of(0.0, 0.0, -0.1), of(f32::NAN, 0.1, 0.0)] {
+        let change = |t: &mut ProxyTables| t.deviation = Some([&[good[0], bad], &good[2..]].concat());
+        assert_eq!(refused(change), TreeError::ProxyDeviation { node: 1 });
+    }
+    let short = refused(|t| t.deviation = Some(Vec::new()));
+    assert_eq!(short, TreeError::TableLength { table: "PROXY_DEVIATION", found: 0, expected: 3 });
 }
 
 #[test]

@@ -5,7 +5,7 @@ use glam::{DMat4, DVec3, Vec3};
 use serde_json::{Value, json};
 use svs_runtime::encode::{importance_code, level_bits_for, palette};
 use svs_runtime::{
-    AccessorSource, AccessorView, Bounds, Camera, DirectionSet, Placement, ProxyTables, TreeTables,
+    AccessorSource, AccessorView, Bounds, Camera, Deviation, DirectionSet, Placement, ProxyTables, TreeTables,
 };
 
 /// splitmix64: the same numbers everywhere.
@@ -254,6 +254,10 @@ fn encode_proxies(proxies: &ProxyTables, accessors: &mut Accessors) -> Value {
         "PROXY_MESH": accessors.integers(&proxies.mesh),
         "PROXY_ORIGIN": accessors.add(floats(&mut proxies.origin.iter().flatten()), 5126, 3, count),
     });
+    if let Some(deviation) = &proxies.deviation {
+        let rows: Vec<f32> = deviation.iter().flat_map(|d| [d.mean, d.rms, d.wrong]).collect();
+        names["PROXY_DEVIATION"] = json!(accessors.add(floats(&mut rows.iter()), 5126, 3, count));
+    }
     if let Some(object) = &proxies.object {
         names["PROXY_OBJECT"] = json!(accessors.integers(object));
     }
@@ -271,6 +275,9 @@ pub(crate) fn some_proxies(object_count: u32) -> ProxyTables {
         object_count: vec![rest, rest / 2, rest - rest / 2],
         object: Some((0..object_count).rev().collect()),
         error: vec![0.5, 0.1, 0.2],
+        deviation: Some(
+            [0.25, 0.0, 0.1].map(|mean| Deviation { mean, rms: mean * 2.0, wrong: mean }).to_vec(),
+        ),
         mesh: vec![9, 10, 10],
         origin: vec![[0.0; 3], [1.0, 2.0, 3.0], [0.0; 3]],
     }

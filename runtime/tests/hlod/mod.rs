@@ -213,7 +213,7 @@ fn known(tables: &mut TreeTables, bounds: &[Bounds], random: &mut Random, guest:
         for _ in 0..random.below(4) {
             triangles = (triangles as f64 * (0.2 + 0.8 * random.unit())) as u32;
             error += 0.04 * random.unit() as f32;
-            levels.push(Level { triangles, error });
+            levels.push(Level::new(triangles, error));
         }
         starts.push(levels.len() as u32);
         least.push(triangles);

@@ -1,6 +1,7 @@
 //! Simplified versions of one mesh, each of the one before.
 
 use super::class::Class;
+use super::fidelity::Fidelity;
 use super::measure::Reference;
 use super::node::choose;
 use super::soup::Soup;
@@ -24,7 +25,7 @@ pub struct LevelOptions {
 
 impl Default for LevelOptions {
     fn default() -> Self {
-        Self { share: 0.25, least_triangles: 48, most_levels: 8, largest_error: 0.05, samples: 4000 }
+        Self { share: 0.25, least_triangles: 12, most_levels: 8, largest_error: 0.2, samples: 2000 }
     }
 }
 
@@ -35,6 +36,8 @@ pub struct MeshLevel {
     pub mesh: Mesh,
     /// Largest measured distance between it and the original, metres of mesh space.
     pub error: f64,
+    /// By area, in the same space.
+    pub fidelity: Fidelity,
     /// Number of triangles.
     pub triangles: usize,
 }
@@ -56,15 +59,19 @@ pub fn simplify_mesh_levels(mesh: &Mesh, options: &LevelOptions) -> Vec<MeshLeve
         if target < options.least_triangles.max(1) {
             break;
         }
-        let (reduced, _, deviation) = choose(&current, target, &reference);
+        let (reduced, _) = choose(&current, target, &reference);
         let triangles = reduced.triangle_count();
         // Half way to the wanted share is the least that is worth its bytes.
         let worth = triangles as f64 <= before as f64 * (1.0 + share) * 0.5;
-        if triangles == 0 || !worth || deviation.max > largest {
+        if triangles == 0 || !worth {
             break;
         }
-        let error = levels.last().map_or(0.0, |level| level.error).max(deviation.max);
-        levels.push(MeshLevel { mesh: mesh_of(&reduced, mesh), error, triangles });
+        let (max, fidelity) = reference.compare(&reduced, None);
+        if max > largest {
+            break;
+        }
+        let error = levels.last().map_or(0.0, |level| level.error).max(max);
+        levels.push(MeshLevel { mesh: mesh_of(&reduced, mesh), error, fidelity, triangles });
         before = triangles;
         current = weld(&reduced, 0.0);
     }

@@ -9,7 +9,7 @@ use glam::Vec3;
 const NORMAL_SHARE: f32 = 0.5;
 
 /// What a triangle looks like.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct TriangleLook {
     /// Roughly as the eye sees it: square roots of linear values.
     color: Vec3,

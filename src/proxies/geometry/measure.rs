@@ -3,6 +3,7 @@
 //! The maximum is an estimate of the Hausdorff distance from samples and vertices (Cignoni, Rocchini, Scopigno: Metro,
 //! 1998): never above it, and below it only by what lies between the samples.
 
+use super::fidelity::{Fidelity, Place, Target};
 use super::likeness::{TriangleLook, looks};
 use super::sequence::{square, weights};
 use super::soup::{Soup, area};
@@ -32,18 +33,16 @@ pub struct Deviation {
 /// Compares two surfaces by about `samples` points of each (area samples, and as many vertices). If only one of them has
 /// triangles, everything is missing: the deviation is the diagonal of its box.
 pub fn measure(original: Surface<'_>, simplified: Surface<'_>, samples: usize) -> Deviation {
-    let reference = Reference::new(original, samples);
-    reference.deviation(simplified)
-}
-
-/// An original surface, prepared for several comparisons.
-pub(super) struct Reference {
-    tree: TriangleTree,
-    points: Points,
-    samples: usize,
-    diagonal: f64,
-    /// By triangle; empty if only geometry counts.
-    looks: Vec<TriangleLook>,
+    let [there, back] = [(original, simplified), (simplified, original)]
+        .map(|(from, to)| one_way(&from.samples(samples, samples), &TriangleTree::new(&to.triangles())));
+    match (there, back) {
+        (Some(a), Some(b)) => Deviation { max: a.max.max(b.max), mean: a.mean.max(b.mean) },
+        // One of the two is empty, or both are.
+        _ => {
+            let missing = original.diagonal().max(simplified.diagonal());
+            Deviation { max: missing, mean: missing }
+        }
+    }
 }
 
 /// Sample points: as many as there are `triangles` are spread by area, the others are vertices.
@@ -54,75 +53,8 @@ struct Points {
     triangles: Vec<u32>,
 }
 
-/// One way of a comparison.
-struct OneWay {
-    deviation: Deviation,
-    /// By area sample: nearest triangle of the other surface.
-    nearest: Vec<u32>,
-}
-
-impl Reference {
-    fn new(surface: Surface<'_>, samples: usize) -> Self {
-        let tree = TriangleTree::new(&surface.triangles());
-        let points = surface.samples(samples);
-        Self { tree, points, samples, diagonal: surface.diagonal(), looks: Vec::new() }
-    }
-
-    /// An original whose looks count too.
-    pub(super) fn of_soup(soup: &Soup, samples: usize) -> Self {
-        Self { looks: looks(soup), ..Self::new(soup.surface(), samples) }
-    }
-
-    /// Diagonal of its box, metres.
-    pub(super) fn diagonal(&self) -> f64 {
-        self.diagonal
-    }
-
-    fn deviation(&self, simplified: Surface<'_>) -> Deviation {
-        let (deviation, _, _) = self.both_ways(simplified);
-        deviation
-    }
-
-    /// How far a simplified version is off, and how different it looks, from 0 to 1.
-    pub(super) fn compare(&self, simplified: &Soup) -> (Deviation, f64) {
-        let (deviation, there, back) = self.both_ways(simplified.surface());
-        let (Some(there), Some((points, back))) = (there, back) else { return (deviation, 1.0) };
-        let others = looks(simplified);
-        let look = |own: &[u32], other: &[u32], a: &[TriangleLook], b: &[TriangleLook]| {
-            let (mut sum, mut count) = (0.0f64, 0.0f64);
-            for (&i, &j) in own.iter().zip(other) {
-                if let (Some(a), Some(b)) = (a.get(i as usize), b.get(j as usize)) {
-                    sum += f64::from(a.difference(b));
-                    count += 1.0;
-                }
-            }
-            if count > 0.0 { sum / count } else { 0.0 }
-        };
-        let there = look(&self.points.triangles, &there.nearest, &self.looks, &others);
-        let back = look(&points.triangles, &back.nearest, &others, &self.looks);
-        (deviation, there.max(back))
-    }
-
-    fn both_ways(&self, simplified: Surface<'_>) -> (Deviation, Option<OneWay>, Option<(Points, OneWay)>) {
-        let there = one_way(&self.points, &TriangleTree::new(&simplified.triangles()));
-        let points = simplified.samples(self.samples);
-        let back = one_way(&points, &self.tree);
-        let deviation = match (&there, &back) {
-            (Some(OneWay { deviation: a, .. }), Some(OneWay { deviation: b, .. })) => {
-                Deviation { max: a.max.max(b.max), mean: a.mean.max(b.mean) }
-            }
-            // One of the two is empty, or both are.
-            _ => {
-                let missing = self.diagonal.max(simplified.diagonal());
-                Deviation { max: missing, mean: missing }
-            }
-        };
-        (deviation, there, back.map(|back| (points, back)))
-    }
-}
-
 /// Distances of points from a surface; `None` if either is empty.
-fn one_way(points: &Points, tree: &TriangleTree) -> Option<OneWay> {
+fn one_way(points: &Points, tree: &TriangleTree) -> Option<Deviation> {
     let nearest: Vec<(f32, u32)> = points
         .points
         .par_iter()
@@ -132,9 +64,100 @@ fn one_way(points: &Points, tree: &TriangleTree) -> Option<OneWay> {
     let max = nearest.iter().map(|&(distance, _)| distance).reduce(f32::max)?;
     let by_area = &nearest[..points.triangles.len()];
     let sum: f64 = by_area.iter().map(|&(distance, _)| f64::from(distance)).sum();
-    let mean = sum / by_area.len().max(1) as f64;
-    let nearest = by_area.iter().map(|&(_, triangle)| triangle).collect();
-    Some(OneWay { deviation: Deviation { max: f64::from(max), mean }, nearest })
+    Some(Deviation { max: f64::from(max), mean: sum / by_area.len().max(1) as f64 })
+}
+
+/// An original surface, prepared for several comparisons.
+pub(super) struct Reference {
+    target: Target,
+    /// Spread by area.
+    places: Vec<Place>,
+    /// Some of them, for trials.
+    few: Vec<Place>,
+    /// Vertices.
+    corners: Vec<Place>,
+    samples: usize,
+    diagonal: f64,
+    /// Area, square metres.
+    area: f64,
+}
+
+/// Trials are compared with this part of the samples.
+const FEW: usize = 4;
+
+impl Reference {
+    pub(super) fn of_soup(soup: &Soup, samples: usize) -> Self {
+        let surface = soup.surface();
+        let looks = looks(soup);
+        let places = places(soup, &looks, samples);
+        Self {
+            few: places.iter().copied().step_by(FEW).collect(),
+            corners: surface.corners_of(samples),
+            places,
+            target: Target::new(soup),
+            samples,
+            diagonal: surface.diagonal(),
+            area: surface.area(),
+        }
+    }
+
+    /// Diagonal of its box, metres.
+    pub(super) fn diagonal(&self) -> f64 {
+        self.diagonal
+    }
+
+    /// Places spread by its area.
+    pub(super) fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// Size in metres of a pixel where `triangles` of the surface are as large as they usually are when they are drawn.
+    pub(super) fn pixel(&self, triangles: usize) -> f64 {
+        (self.area / (PIXELS_OF_A_TRIANGLE * triangles.max(1) as f64)).sqrt()
+    }
+
+    /// Share of what is seen that a simplified version shows wrong, from few samples. `pixel` in metres.
+    pub(super) fn trial(&self, simplified: &Soup, pixel: f64) -> f64 {
+        let samples = self.samples.div_ceil(FEW);
+        let there = Target::new(simplified).compare(&self.few, pixel);
+        let back = self.target.compare(&places(simplified, &looks(simplified), samples), pixel);
+        match (there, back) {
+            (Some(there), Some(back)) => there.loss.max(back.loss),
+            _ => 1.0,
+        }
+    }
+
+    /// How far a simplified version is off: the largest distance, and the figures by area both ways. What it stands for is at
+    /// `originals`, or this surface itself.
+    pub(super) fn compare(&self, simplified: &Soup, originals: Option<&[Place]>) -> (f64, Fidelity) {
+        let target = Target::new(simplified);
+        let back = places(simplified, &looks(simplified), self.samples);
+        let back_corners = simplified.surface().corners_of(self.samples);
+        let (Some(there), Some(back)) = (target.compare(&self.places, 1.0), self.target.compare(&back, 1.0))
+        else {
+            let missing = self.diagonal.max(simplified.surface().diagonal());
+            let wrong = if missing > 0.0 { 1.0 } else { 0.0 };
+            return (missing, Fidelity { mean: missing, rms: missing, wrong });
+        };
+        let corners = [target.nearest(&self.corners), self.target.nearest(&back_corners)];
+        let corners = corners.iter().flatten().map(|&(distance, _)| f64::from(distance));
+        let max = corners.fold(there.max.max(back.max), f64::max);
+        let originals = originals.and_then(|originals| target.compare(originals, 1.0));
+        (max, originals.unwrap_or(there).fidelity.max(back.fidelity))
+    }
+}
+
+/// About as large is a triangle of a proxy that is drawn, pixels.
+const PIXELS_OF_A_TRIANGLE: f64 = 64.0;
+
+/// `count` places spread over a surface by area.
+pub(super) fn places(soup: &Soup, looks: &[TriangleLook], count: usize) -> Vec<Place> {
+    let surface = soup.surface();
+    let Points { points, triangles } = surface.samples(count, 0);
+    let area = (surface.area() / count.max(1) as f64) as f32;
+    let place =
+        |(point, triangle): (&[f32; 3], &u32)| Place { point: *point, look: looks[*triangle as usize], area };
+    points.iter().zip(&triangles).map(place).collect()
 }
 
 impl Surface<'_> {
@@ -144,7 +167,7 @@ impl Surface<'_> {
         all.filter(move |corners| corners.iter().all(|&v| v < count))
     }
 
-    fn triangles(&self) -> Vec<Triangle> {
+    pub(super) fn triangles(&self) -> Vec<Triangle> {
         let triangle = |corners: [usize; 3]| {
             let [v0, v1, v2] = corners.map(|v| Vec3A::from(self.positions[v]));
             Triangle { v0, v1, v2 }
@@ -162,8 +185,19 @@ impl Surface<'_> {
         if min.x <= max.x { (max - min).length() } else { 0.0 }
     }
 
-    /// `count` points spread by area and at most as many vertices, evenly chosen.
-    fn samples(&self, count: usize) -> Points {
+    /// Square metres.
+    fn area(&self) -> f64 {
+        self.corners().map(|corners| area(corners.map(|v| self.positions[v]))).sum()
+    }
+
+    /// At most `count` of the vertices, as places that are no part of the area.
+    fn corners_of(&self, count: usize) -> Vec<Place> {
+        let points = self.samples(0, count).points;
+        points.into_iter().map(|point| Place { point, look: TriangleLook::default(), area: 0.0 }).collect()
+    }
+
+    /// `count` points spread by area and at most so many of the vertices, evenly chosen.
+    fn samples(&self, count: usize, most_vertices: usize) -> Points {
         let corners: Vec<[usize; 3]> = self.corners().collect();
         let mut sums = Vec::with_capacity(corners.len());
         let mut total = 0.0f64;
@@ -190,7 +224,7 @@ impl Surface<'_> {
         let mut used = vec![false; self.positions.len()];
         let vertices: Vec<usize> =
             corners.iter().flatten().copied().filter(|&v| !std::mem::replace(&mut used[v], true)).collect();
-        let chosen = count.min(vertices.len());
+        let chosen = most_vertices.min(vertices.len());
         points.extend((0..chosen).map(|i| self.positions[vertices[i * vertices.len() / chosen]]));
         Points { points, triangles }
     }

@@ -5,6 +5,7 @@
 //! to an origin near the geometry. Results do not depend on the number of threads.
 
 mod class;
+mod fidelity;
 mod gather;
 mod levels;
 mod likeness;
@@ -22,6 +23,7 @@ mod visible;
 mod weld;
 
 pub use class::{Class, ClassMesh, PlainClass};
+pub use fidelity::Fidelity;
 pub use gather::Part;
 pub use levels::{LevelOptions, MeshLevel, simplify_mesh_levels};
 pub use measure::{Deviation, Surface, measure};

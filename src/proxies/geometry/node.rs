@@ -1,8 +1,10 @@
 //! The proxy of one node.
 
 use super::class::ClassMesh;
+use super::fidelity::{Fidelity, Place, Target, moved, thinned};
 use super::gather::{Part, gather};
-use super::measure::{Deviation, Reference};
+use super::likeness::looks;
+use super::measure::{Reference, places};
 use super::palette::Palette;
 use super::reduce::{Strategy, reduce};
 use super::soup::Soup;
@@ -24,7 +26,7 @@ pub struct NodeOptions {
 
 impl Default for NodeOptions {
     fn default() -> Self {
-        Self { target_triangles: 2000, tolerance: 0.0, visible_only: true, samples: 3000 }
+        Self { target_triangles: 2000, tolerance: 0.0, visible_only: true, samples: 1500 }
     }
 }
 
@@ -36,8 +38,11 @@ pub struct ProxyGeometry {
     /// Geometric error: largest measured distance between it and what it stands for (its visible part), metres. With
     /// proxies among the parts: that from the parts, plus the largest error of a part.
     pub error: f64,
-    /// Mean distance, metres, in the same way.
-    pub mean_error: f64,
+    /// By area: against what it stands for, proxies among the parts or not, where something is missing, and against the
+    /// parts where something is added.
+    pub fidelity: Fidelity,
+    /// Places on what it stands for (its visible part).
+    pub(super) places: Vec<Place>,
     /// Number of triangles.
     pub triangles: usize,
     /// Triangles of the parts, without those that have no area or are repeated.
@@ -56,76 +61,107 @@ pub struct ProxyGeometry {
 pub fn simplify_node(parts: &[Part<'_>], palette: &Palette, options: &NodeOptions) -> ProxyGeometry {
     let mut soup = gather(parts, palette);
     let gathered = soup.triangle_count();
-    if options.visible_only {
-        let visible = visible_triangles(&soup, palette);
-        soup.indices = soup.filtered(|t| visible[t]);
+    let seen = options.visible_only.then(|| visible_triangles(&soup, palette));
+    let places = originals(parts, palette, &soup, seen.as_deref(), options);
+    if let Some(seen) = seen {
+        soup.indices = soup.filtered(|t| seen[t]);
     }
     let soup = weld(&soup, 0.0);
     let visible = soup.triangle_count();
-    let (reduced, strategy, deviation) = best(&soup, options);
-    let inherited = |error: fn(&ProxyGeometry) -> f64| {
-        parts.iter().fold(0.0f64, |largest, part| match part {
-            Part::Mesh { .. } => largest,
-            Part::Proxy { geometry, .. } => largest.max(error(geometry)),
-        })
+    let reference = Reference::of_soup(&soup, options.samples);
+    let (reduced, strategy) = best(&soup, options, &reference);
+    let (max, fidelity) = match strategy {
+        Strategy::Unchanged if places.is_none() => (0.0, Fidelity::default()),
+        _ => reference.compare(&reduced, places.as_deref()),
     };
+    let max = if strategy == Strategy::Unchanged { 0.0 } else { max };
+    let inherited = parts.iter().fold(0.0f64, |largest, part| match part {
+        Part::Mesh { .. } => largest,
+        Part::Proxy { geometry, .. } => largest.max(geometry.error),
+    });
     let classes = reduced.split();
     ProxyGeometry {
         triangles: classes.iter().map(ClassMesh::triangles).sum(),
         classes,
-        error: deviation.max + inherited(|geometry| geometry.error),
-        mean_error: deviation.mean + inherited(|geometry| geometry.mean_error),
+        error: max + inherited,
+        fidelity,
+        places: thinned(places.as_deref().unwrap_or(reference.places()), options.samples),
         gathered,
         visible,
         strategy,
     }
 }
 
-fn best(soup: &Soup, options: &NodeOptions) -> (Soup, Strategy, Deviation) {
+/// Places on what is seen of the originals, if proxies are among the parts: else the soup is all there is.
+fn originals(
+    parts: &[Part<'_>],
+    palette: &Palette,
+    soup: &Soup,
+    seen: Option<&[bool]>,
+    options: &NodeOptions,
+) -> Option<Vec<Place>> {
+    let proxies = || {
+        parts.iter().filter_map(|part| match part {
+            Part::Proxy { geometry, origin } => Some(moved(&geometry.places, *origin)),
+            Part::Mesh { .. } => None,
+        })
+    };
+    if proxies().next().is_none() {
+        return None;
+    }
+    let mut all: Vec<Place> = proxies().flatten().collect();
+    let meshes: Vec<Part<'_>> =
+        parts.iter().filter(|part| matches!(part, Part::Mesh { .. })).copied().collect();
+    let meshes = gather(&meshes, palette);
+    all.extend(places(&meshes, &looks(&meshes), options.samples));
+    // Some of them are not seen: more than are wanted.
+    let mut all = thinned(&all, options.samples * 2);
+    if let Some(seen) = seen {
+        let nearest = Target::new(soup).nearest(&all);
+        let seen: Vec<bool> = nearest.iter().map(|&(_, triangle)| seen[triangle as usize]).collect();
+        let mut at = 0;
+        all.retain(|_| {
+            at += 1;
+            seen.get(at - 1).copied().unwrap_or(true)
+        });
+    }
+    Some(thinned(&all, options.samples))
+}
+
+fn best(soup: &Soup, options: &NodeOptions, reference: &Reference) -> (Soup, Strategy) {
     let count = soup.triangle_count();
     let allowed = options.tolerance > 0.0;
     if count == 0 || count <= options.target_triangles && !allowed {
-        return (soup.clone(), Strategy::Unchanged, Deviation::default());
+        return (soup.clone(), Strategy::Unchanged);
     }
-    let reference = Reference::of_soup(soup, options.samples);
     if allowed {
         let reduced = reduce(soup, 0, options.tolerance as f32, Strategy::Plain);
-        let (deviation, _) = reference.compare(&reduced);
-        let fits = deviation.max <= options.tolerance;
-        if fits && reduced.triangle_count() <= options.target_triangles {
-            return (reduced, Strategy::Plain, deviation);
+        let fits =
+            || reduced.triangle_count() > 0 && reference.compare(&reduced, None).0 <= options.tolerance;
+        if reduced.triangle_count() <= options.target_triangles && fits() {
+            return (reduced, Strategy::Plain);
         }
         if count <= options.target_triangles {
-            return (soup.clone(), Strategy::Unchanged, Deviation::default());
+            return (soup.clone(), Strategy::Unchanged);
         }
     }
-    choose(soup, options.target_triangles, &reference)
+    choose(soup, options.target_triangles, reference)
 }
 
-/// Differences in looks (0 to 1) far below this do not count.
-const LEAST_LOOK: f64 = 0.01;
-
-/// Reduces in all ways and keeps the best: within a tenth of the wanted number the smallest product of largest and mean
-/// error and squared difference in looks, else the fewest triangles. By the largest error alone clustering wins too often,
-/// which moves every vertex a little to spare one spike.
-pub(super) fn choose(soup: &Soup, target: usize, reference: &Reference) -> (Soup, Strategy, Deviation) {
+/// Reduces in all ways and keeps the best: within a tenth of the wanted number the one that shows least wrong where it is
+/// drawn, else the fewest triangles.
+pub(super) fn choose(soup: &Soup, target: usize, reference: &Reference) -> (Soup, Strategy) {
     let limit = reference.diagonal() as f32 * 2.0;
     let enough = target + target / 10;
-    // One of the two errors being nothing must not make up for the other.
-    let floor = reference.diagonal() * 1e-6;
-    let mut best: Option<((bool, f64), Soup, Strategy, Deviation)> = None;
+    let pixel = reference.pixel(target);
+    let mut best: Option<((bool, f64), Soup, Strategy)> = None;
     for strategy in Strategy::REDUCING {
         let reduced = reduce(soup, target, limit, strategy);
-        let (deviation, look) = reference.compare(&reduced);
         let many = reduced.triangle_count() > enough;
-        let error = (deviation.max + floor) * (deviation.mean + floor) * (look + LEAST_LOOK).powi(2);
-        let score = (many, if many { reduced.triangle_count() as f64 } else { error });
-        if best.as_ref().is_none_or(|best| score < best.0) {
-            best = Some((score, reduced, strategy, deviation));
+        let score = if many { reduced.triangle_count() as f64 } else { reference.trial(&reduced, pixel) };
+        if best.as_ref().is_none_or(|best| (many, score) < best.0) {
+            best = Some(((many, score), reduced, strategy));
         }
     }
-    match best {
-        Some((_, reduced, strategy, deviation)) => (reduced, strategy, deviation),
-        None => (soup.clone(), Strategy::Unchanged, Deviation::default()),
-    }
+    best.map_or_else(|| (soup.clone(), Strategy::Unchanged), |(_, reduced, strategy)| (reduced, strategy))
 }

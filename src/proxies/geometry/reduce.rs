@@ -5,7 +5,7 @@ use super::soup::{Soup, area};
 use super::weld::weld;
 use glam::Vec3;
 use meshopt::{SimplifyOptions, SimplifyVertex, VertexDataAdapter};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Weight of normals (unit vectors) against positions (as parts of the mesh's size).
 const NORMAL_WEIGHT: f32 = 0.2;
@@ -13,6 +13,9 @@ const NORMAL_WEIGHT: f32 = 0.2;
 const COLOR_WEIGHT: f32 = 0.3;
 /// Weight of texture coordinates.
 const UV_WEIGHT: f32 = 0.5;
+
+/// Colours that differ in these bits are not clustered together.
+const COLOR_BITS: u8 = 0xE0;
 
 /// A vertex normal that is further off its triangle than this (cosine) was carried around an edge: it would be a dark spot.
 const LEAST_AGREEMENT: f32 = 0.5;
@@ -122,18 +125,20 @@ fn attributes(soup: &Soup, vertex: usize) -> [f32; 9] {
     [x, y, z, (r * top).sqrt(), (g * top).sqrt(), (b * top).sqrt(), a, u, v]
 }
 
-/// Clusters each class by itself, with its share of the triangles.
+/// Clusters what has one class and one colour by itself, with its share of the triangles: a cluster has but one colour.
 fn cluster(soup: &Soup, target: usize) -> Soup {
     let stride = size_of::<[f32; 3]>();
     let Ok(vertices) = VertexDataAdapter::new(bytemuck::cast_slice(&soup.positions), stride, 0) else {
         return soup.clone();
     };
-    let mut by_class: Vec<Vec<u32>> = vec![Vec::new(); soup.classes.len()];
+    let mut parts: BTreeMap<(usize, [u8; 4]), Vec<u32>> = BTreeMap::new();
     for triangle in 0..soup.triangle_count() {
-        by_class[soup.class(triangle)].extend(soup.corners(triangle));
+        let corners = soup.corners(triangle);
+        let color = soup.colors[corners[0] as usize].map(|c| c & COLOR_BITS);
+        parts.entry((soup.class(triangle), color)).or_default().extend(corners);
     }
     let mut indices = Vec::new();
-    for own in by_class.iter().filter(|own| !own.is_empty()) {
+    for own in parts.values() {
         let share = own.len() as f64 / soup.indices.len() as f64;
         let own_target = (target as f64 * share) as usize * 3;
         indices.extend(meshopt::simplify_sloppy(own, &vertices, own_target, 1.0, None));

@@ -55,7 +55,7 @@ fn sphere_is_reduced_with_a_small_error() {
     assert!(made.triangles <= 1000, "{}", made.triangles);
     // The best 1,000 triangles of a sphere are 0.006 off.
     assert!(made.error > 0.001 && made.error < 0.02, "{}", made.error);
-    assert!(made.mean_error <= made.error);
+    assert!(made.fidelity.mean <= made.fidelity.rms && made.fidelity.rms <= made.error);
     let six_volumes: f32 = made.classes.iter().map(volume).sum();
     assert!((six_volumes / 6.0 - 4.1888).abs() < 0.1, "{six_volumes}");
 }

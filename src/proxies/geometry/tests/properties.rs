@@ -34,7 +34,7 @@ fn any_primitive() -> impl Strategy<Value = Primitive> {
 
 fn check(made: &ProxyGeometry, given: usize) {
     assert!(made.triangles <= made.visible && made.visible <= made.gathered && made.gathered <= given);
-    assert!(made.error.is_finite() && made.error >= 0.0 && made.mean_error <= made.error * 1.001 + 1e-12);
+    assert!(made.error.is_finite() && made.error >= 0.0 && made.fidelity.rms <= made.error * 1.001 + 1e-12);
     assert_eq!(made.triangles, made.classes.iter().map(ClassMesh::triangles).sum::<usize>());
     for class in &made.classes {
         let count = class.positions.len();
