@@ -212,6 +212,35 @@ test('objects and scenes that move', async () => {
     await page.close();
 });
 
+test('attached to a scene it follows its cameras; others see everything', async () => {
+    plant();
+    const { page, problems } = await open('/scenes/plant.svs.glb');
+    await look(page, 0.5, 1.3);
+    const { statistics } = await draw(page);
+    const attached = await page.evaluate(() => {
+        const { THREE, camera, plugin, renderer, scene } = /** @type {any} */ (window).example;
+        const detach = plugin.attach(scene);
+        const triangles = (/** @type {any} */ by) => {
+            renderer.render(scene, by);
+            return renderer.info.render.triangles;
+        };
+        const byCamera = triangles(camera);
+        const drawn = plugin.statistics.drawn;
+        const flat = new THREE.OrthographicCamera(-90, 90, 90, -90, -500, 500);
+        const byOther = triangles(flat);
+        const again = triangles(camera);
+        detach();
+        return { byCamera, byOther, again, drawn, detached: triangles(camera) };
+    });
+    assert.equal(attached.drawn, statistics.drawn);
+    assert.equal(attached.byCamera, statistics.triangles);
+    assert.equal(attached.again, statistics.triangles);
+    assert(attached.byOther > 10 * attached.byCamera, `${attached.byOther} triangles by an orthographic camera`);
+    assert(attached.detached > 10 * attached.byCamera, `${attached.detached} triangles when it is detached`);
+    assert.deepEqual(problems, []);
+    await page.close();
+});
+
 test('proxies are drawn', async () => {
     plantWithProxies();
     const { page, problems } = await open('/scenes/plant-proxies.svs.glb');

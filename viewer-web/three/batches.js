@@ -139,7 +139,8 @@ export class Batches {
         }
         // The runtime has decided already.
         mesh.perObjectFrustumCulled = false;
-        mesh.sortObjects = false;
+        // From front to back, as three.js draws objects: what is behind is not shaded.
+        mesh.sortObjects = true;
         mesh.frustumCulled = false;
         mesh.visible = false;
         mesh.layers = new BatchLayers(route);

@@ -67,13 +67,13 @@ export class Watch {
             }
             const elements = node.matrix.elements;
             const first = 16 * place;
-            for (let at = 0; at < 16; at++) {
-                if (elements[at] !== matrices[first + at]) {
-                    matrices.set(elements, first);
-                    changed = true;
-                    if (this.#gltf[place] >= 0) moved(this.#gltf[place], node.matrix);
-                    break;
-                }
+            // Of a translation, rotation and scale no other element changes alone.
+            if (elements[12] !== matrices[first + 12] || elements[13] !== matrices[first + 13] || elements[14] !== matrices[first + 14]
+                || elements[0] !== matrices[first] || elements[5] !== matrices[first + 5] || elements[10] !== matrices[first + 10]
+                || elements[1] !== matrices[first + 1] || elements[2] !== matrices[first + 2] || elements[6] !== matrices[first + 6]) {
+                matrices.set(elements, first);
+                changed = true;
+                if (this.#gltf[place] >= 0) moved(this.#gltf[place], node.matrix);
             }
         }
         return changed;
