@@ -34,9 +34,9 @@ fn largest_eigenvalue(mut a: [[f64; 3]; 3]) -> f64 {
             for row in &mut a {
                 (row[p], row[q]) = (cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]);
             }
-            for k in 0..3 {
-                (a[p][k], a[q][k]) = (cosine * a[p][k] - sine * a[q][k], sine * a[p][k] + cosine * a[q][k]);
-            }
+            let (one, other) = (a[p], a[q]);
+            a[p] = std::array::from_fn(|k| cosine * one[k] - sine * other[k]);
+            a[q] = std::array::from_fn(|k| sine * one[k] + cosine * other[k]);
         }
     }
     a[0][0].max(a[1][1]).max(a[2][2])

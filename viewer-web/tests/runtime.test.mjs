@@ -21,6 +21,16 @@ async function open(file) {
 }
 
 /**
+ * What the module draws.
+ * @param {VisibilityScene} scene
+ * @param {Parameters<VisibilityScene['cull']>} camera
+ */
+function drawsOf(scene, ...camera) {
+    const count = scene.cull(...camera);
+    return [...scene.draws.subarray(0, count)];
+}
+
+/**
  * What the native library draws.
  * @param {string} file
  * @param {Frame[]} frames
@@ -53,8 +63,7 @@ async function compare(file, name, settings) {
         scene.quality = frame.quality;
         scene.tau = frame.tau;
         scene.budget = frame.budget === null ? null : { triangles: frame.budget };
-        const count = scene.cull(frame.view_projection, frame.eye, frame.pixels_per_radian);
-        const ids = [...scene.draws.subarray(0, count)];
+        const ids = drawsOf(scene, frame.view_projection, frame.eye, frame.pixels_per_radian);
         assert.deepEqual(ids, expected[at], `camera ${at} of ${name}`);
         drawn += ids.length;
         extras += ids.filter((id) => id >= objects).length;
@@ -106,7 +115,7 @@ test('nothing is allocated per frame', async () => {
 test('what the user hides no longer hides anything', async () => {
     const { json, scene } = await open(plant());
     const [view] = views(boxOf(json), 1);
-    const draws = () => new Set(scene.draws.subarray(0, scene.cull(view.view_projection, view.eye, view.pixels_per_radian)));
+    const draws = () => new Set(drawsOf(scene, view.view_projection, view.eye, view.pixels_per_radian));
     const before = draws();
     for (const object of before) scene.setHidden(object, true);
     const behind = draws();
@@ -121,7 +130,7 @@ test('a scene that moves as a whole is culled alike, and an object that moves is
     const { json, scene } = await open(plant());
     const [view] = views(boxOf(json), 1);
     const draws = (/** @type {number[]} */ eye, /** @type {number[]} */ matrix) =>
-        [...scene.draws.subarray(0, scene.cull(matrix, eye, view.pixels_per_radian))];
+        drawsOf(scene, matrix, eye, view.pixels_per_radian);
     const before = draws(view.eye, view.view_projection);
     // Everything 100 m to the right, the camera too.
     scene.setRootMatrix([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 100, 0, 0, 1]);

@@ -39,11 +39,10 @@ async function open(source) {
     page.on('console', (message) => {
         if (message.type() === 'error' || (message.type() === 'warning' && message.text().includes('EXT_'))) problems.push(message.text());
     });
-    await page.goto(`${server.url}/three/example/index.html?src=${source}`);
+    await page.goto(`${server.url}/three/example/index.html?still&src=${source}`);
     await page.waitForFunction(() => 'exampleReady' in window, undefined, { timeout: 120_000 });
-    // The panel is not what is compared, and frames are drawn when they are asked for.
+    // The panel is not what is compared.
     await page.addStyleTag({ content: 'form { visibility: hidden }' });
-    await page.evaluate(() => /** @type {any} */ (window).example.renderer.setAnimationLoop(null));
     return { page, problems };
 }
 

@@ -11,6 +11,7 @@ mod system;
 mod table;
 mod test;
 mod wasm;
+mod web;
 
 use std::process::ExitCode;
 
@@ -20,7 +21,8 @@ Developer commands of svs
 Usage: cargo xtask <COMMAND>
 
 Commands:
-  test          formatting, lints and all tests, the Khronos validator among them; installs what is missing
+  test          formatting, lints and all tests, those of the web packages in a browser and the Khronos validator among
+                them; installs what is missing
   samples       write the sample asset of the specification anew
   wasm          build the web modules into viewer-web and print their sizes; fails if one is too large
       --only NAME                     only modules whose package name contains NAME
@@ -36,6 +38,16 @@ Commands:
       --only NAME[,NAME...]           only scenes whose name contains one of them
       --frames N                      frames of each path (default: 24; 6 in the large scenes)
       --passes N                      times each frame is timed (default: 3; 2 in the large scenes)
+      --scenes FOLDER                 where the public scenes are (default: ../shared/scenes)
+  bench viewer  frame times of the web viewer on WebGL 2, frustum culling against visibility, and how soon a picture is
+                complete while a scene comes at 20 Mbit/s; one line of JSON a scene
+      --part viewer,stream            only these parts (default: both)
+      --frames N                      frames of the path (default: 24)
+      --scenes FOLDER                 where the public scenes are (default: ../shared/scenes)
+  bench web     three.js alone against three.js with the plugin in a browser on WebGL 2, and culling in WebAssembly against
+                native
+      --only NAME[,NAME...]           only scenes whose name contains one of them
+      --frames N                      frames of each path (default: 12)
       --scenes FOLDER                 where the public scenes are (default: ../shared/scenes)
   bench proxies what proxies and the visibility-driven metric save, and what a picture is worth within a budget;
                 reports are left in target/bench/proxies
@@ -57,6 +69,12 @@ fn main() -> ExitCode {
         }
         ["bench", "frames", rest @ ..] => {
             bench::frames::Options::parse(rest).and_then(|options| bench::frames::frames(&options))
+        }
+        ["bench", "viewer", rest @ ..] => {
+            bench::viewer::Options::parse(rest).and_then(|options| bench::viewer::viewer(&options))
+        }
+        ["bench", "web", rest @ ..] => {
+            bench::web::Options::parse(rest).and_then(|options| bench::web::web(&options))
         }
         ["bench", "proxies", rest @ ..] => {
             bench::proxies::Options::parse(rest).and_then(|options| bench::proxies::proxies(&options))

@@ -1,6 +1,6 @@
 //! `cargo xtask test`: everything that must hold before a change is taken.
 
-use crate::{khronos, run, system};
+use crate::{khronos, run, system, web};
 
 pub(crate) fn test() -> Result<(), String> {
     for (tool, component) in [("fmt", "rustfmt"), ("clippy", "clippy")] {
@@ -31,6 +31,7 @@ pub(crate) fn test() -> Result<(), String> {
     )?;
     khronos::install()?;
     system::install()?;
+    web::test()?;
     // Last, so that the output ends with the test runners' own summaries. The Khronos validator runs in here.
     let mut tests = run::cargo();
     tests.args(["test", "--release", "--workspace"]).env("SVS_REQUIRE_KHRONOS", "1");

@@ -5,7 +5,7 @@ use svs_runtime::format::{
     FingerprintJson, MeshLevelJson, MeshLevelsJson, NestedJson, ProxiesJson, ProxyTables, RecommendedJson,
     Tables, TreeJson,
 };
-use svs_runtime::{AccessorSource, AccessorView, DecodeError, Visibility};
+use svs_runtime::{AccessorSource, AccessorView, Visibility};
 
 /// The extension as JavaScript has read it, unchecked.
 #[derive(Clone, Debug, Default)]
@@ -86,7 +86,7 @@ impl Bake {
                 .collect(),
         });
         let levels: Vec<MeshLevelsJson> = levels.collect();
-        Ok(Visibility::from_parsed(&self.version, trees?, &levels, self).map_err(DecodeError::from)?)
+        Ok(Visibility::from_parsed(&self.version, trees?, &levels, self)?)
     }
 
     /// There is something to draw in place of objects.

@@ -87,12 +87,12 @@ impl Scene {
         let (detail, selection) = (self.culler.detail_statistics(), self.culler.selection());
         let culled = self.culler.statistics();
         self.statistics = Statistics {
-            candidates: detail.candidates,
-            candidate_triangles: detail.candidate_triangles,
+            candidates: selection.candidates,
+            candidate_triangles: selection.candidate_triangles,
             drawn: self.ids.len(),
             proxies: detail.proxies,
             levels: detail.levels,
-            triangles: detail.triangles,
+            triangles: selection.chosen_triangles,
             dropped_pixels: selection.dropped_pixels,
             spheres_used: culled.spheres_used,
             objects_tested: culled.objects_tested,

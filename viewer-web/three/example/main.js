@@ -1,6 +1,6 @@
 // The plugin in use: loads a file, draws what can be seen of it, shows figures.
 //
-// `?src=URL` names the file; files can be dropped, too.
+// `?src=URL` names the file; files can be dropped, too. With `?still` pictures are drawn only when a script asks for them.
 
 import * as THREE from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
@@ -151,7 +151,8 @@ function draw() {
 }
 
 let frames = 0;
-renderer.setAnimationLoop(() => {
+const isStill = new URLSearchParams(location.search).has('still');
+renderer.setAnimationLoop(isStill ? null : () => {
     draw();
     if (frames++ % 10 === 0) {
         const { triangles, calls } = renderer.info.render;

@@ -3,6 +3,8 @@
 pub(crate) mod frames;
 pub(crate) mod proxies;
 pub(crate) mod scenes;
+pub(crate) mod viewer;
+pub(crate) mod web;
 
 use crate::run;
 use serde_json::Value;
