@@ -184,11 +184,8 @@ fn filled_buffer(
     gpu.queue.write_buffer(&buffer, 0, content);
     gpu.queue.submit([]);
     // Browsers cannot wait, and free copies by themselves.
-    let poll = if cfg!(target_arch = "wasm32") {
-        wgpu::PollType::Poll
-    } else {
-        wgpu::PollType::wait_indefinitely()
-    };
+    let poll =
+        if cfg!(target_arch = "wasm32") { wgpu::PollType::Poll } else { wgpu::PollType::wait_indefinitely() };
     gpu.device.poll(poll).map_err(|error| RenderError::Lost(error.to_string()))?;
     Ok(buffer)
 }

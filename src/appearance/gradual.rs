@@ -98,12 +98,7 @@ impl Gradual {
     ///
     /// # Errors
     /// [`AppearanceError`] if `doc` is not the document this was made from.
-    pub fn fill(
-        &self,
-        doc: &Document,
-        meshes: &[u32],
-        data: &mut SceneData,
-    ) -> Result<(), AppearanceError> {
+    pub fn fill(&self, doc: &Document, meshes: &[u32], data: &mut SceneData) -> Result<(), AppearanceError> {
         let places: Vec<(usize, usize)> = meshes
             .iter()
             .filter_map(|&mesh| Some((mesh as usize, (*self.meshes.get(mesh as usize)?)?)))
@@ -127,7 +122,8 @@ impl Gradual {
         for &place in images {
             let Some(&source) = self.image_sources().get(place as usize) else { continue };
             let (_, read) = textures::images(doc, BTreeSet::from([source]), &mut Notes::default());
-            if let (Some(slot), Some(image)) = (data.images.get_mut(place as usize), read.into_iter().next()) {
+            if let (Some(slot), Some(image)) = (data.images.get_mut(place as usize), read.into_iter().next())
+            {
                 *slot = image;
             }
         }
@@ -137,5 +133,4 @@ impl Gradual {
     pub fn image_bytes<'a>(&self, doc: &'a Document, place: u32) -> Option<std::borrow::Cow<'a, [u8]>> {
         bytes_of(doc, *self.image_sources().get(place as usize)?).ok()
     }
-
 }

@@ -80,7 +80,8 @@ pub fn build(
         .ok_or_else(|| BakeError::UnknownDirections { name: options.directions.clone() })?;
     clock.stage("read", None);
     payload::strip(doc);
-    let scene = read_scene(doc, &ReadOptions { scene: options.scene, mask: options.mask, ..ReadOptions::default() })?;
+    let scene =
+        read_scene(doc, &ReadOptions { scene: options.scene, mask: options.mask, ..ReadOptions::default() })?;
     let geometry_bytes: u64 = scene.meshes.iter().map(|m| m.bytes).sum();
 
     // A file without scenes shows nothing by itself: a tree would have nothing to hang on.

@@ -1,13 +1,15 @@
 //! What the arguments of `svs build` mean: checked, and in the library's own types.
 
-use super::args::{Build, HierarchyName, LayoutName, Proxies, ProxiesName, ProxyFormatName, QualityName, SpheresName};
+use super::args::{
+    Build, HierarchyName, LayoutName, Proxies, ProxiesName, ProxyFormatName, QualityName, SpheresName,
+};
 use super::error::Failure;
 use super::file;
 use std::path::PathBuf;
-use svs::gltf::Container;
 use svs::bake::hierarchy::HierarchyKind;
 use svs::bake::spheres::SphereKind;
 use svs::bake::{BakeOptions, HierarchyChoice, Quality};
+use svs::gltf::Container;
 use svs::proxies::{ProxyFormat, ProxyMode, ProxyOptions};
 
 /// A build that can begin.

@@ -90,7 +90,10 @@ pub fn remove(
     let start = Instant::now();
     progress.stage("read", None);
     payload::strip(doc);
-    let scene = read_scene(doc, &ReadOptions { scene: options.scene, mask: MaskMode::Transparent, ..ReadOptions::default() })?;
+    let scene = read_scene(
+        doc,
+        &ReadOptions { scene: options.scene, mask: MaskMode::Transparent, ..ReadOptions::default() },
+    )?;
     let subject = Subject::new(doc, &scene);
     let rays = RayScene::with_triangles(&scene.meshes, &subject.parts);
     let clearance = options.clearance.map_or(DEFAULT_CLEARANCE, |metres| metres / rays.radius());

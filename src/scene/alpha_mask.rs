@@ -82,7 +82,8 @@ impl<'a> MaskLoader<'a> {
     }
 
     fn test(&mut self, image: usize, wrap: [u32; 2], alpha: f32, cutoff: f32) -> Loaded {
-        let Some((width, height, passes)) = pixels::alpha_test(&bytes_of(self.doc, image)?, alpha, cutoff)? else {
+        let Some((width, height, passes)) = pixels::alpha_test(&bytes_of(self.doc, image)?, alpha, cutoff)?
+        else {
             return Ok(if alpha >= cutoff { MaskTexels::AllPass } else { MaskTexels::NonePass });
         };
         if passes.iter().all(|&pass| pass) {

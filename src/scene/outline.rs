@@ -42,7 +42,9 @@ pub(crate) fn triangles(doc: &Document, plan: &MeshPlan) -> Result<u32, SceneErr
     for primitive in &plan.primitives {
         let corners = match primitive.indices {
             Some(index) => open(doc, index, &format!("{}/indices", primitive.pointer))?.count,
-            None => open(doc, primitive.position, &format!("{}/attributes/POSITION", primitive.pointer))?.count,
+            None => {
+                open(doc, primitive.position, &format!("{}/attributes/POSITION", primitive.pointer))?.count
+            }
         };
         triangles += primitive.topology.triangle_count(corners) as u64;
     }

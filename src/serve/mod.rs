@@ -119,7 +119,11 @@ impl Server {
             return plain(request, (405, "Method Not Allowed"), "only GET and HEAD are answered");
         }
         if !self.is_for_us(&request) {
-            return plain(request, (403, "Forbidden"), "this server answers to 127.0.0.1 and localhost alone");
+            return plain(
+                request,
+                (403, "Forbidden"),
+                "this server answers to 127.0.0.1 and localhost alone",
+            );
         }
         let path = request.url().split(['?', '#']).next().unwrap_or_default();
         let path = path.strip_prefix('/').unwrap_or(path).to_owned();
@@ -184,7 +188,13 @@ fn send(request: Request, content: &Content) -> std::io::Result<()> {
         Asked::Part(range) => ((206, "Partial Content"), range),
         Asked::Nothing => {
             let range = format!("bytes */{length}");
-            return respond(request, (416, "Range Not Satisfiable"), &[("Content-Range", &range)], 0, &mut std::io::empty());
+            return respond(
+                request,
+                (416, "Range Not Satisfiable"),
+                &[("Content-Range", &range)],
+                0,
+                &mut std::io::empty(),
+            );
         }
     };
     let place = format!("bytes {}-{}/{length}", range.start, range.end.saturating_sub(1));

@@ -67,9 +67,11 @@ impl Stage {
         if let (Some(baked), false) = (&trees.baked, meshes.is_empty()) {
             match Gradual::new(doc, &scene, &meshes) {
                 Ok((gradual, mut data)) => {
-                    let triangles: Vec<u32> =
-                        (data.meshes.len() - meshes.len()..data.meshes.len()).map(|mesh| gradual.triangles(mesh as u32)).collect();
-                    match Extras::add(doc, &scene, baked, (&meshes, &triangles), &mut data, &mut trees.culler) {
+                    let triangles: Vec<u32> = (data.meshes.len() - meshes.len()..data.meshes.len())
+                        .map(|mesh| gradual.triangles(mesh as u32))
+                        .collect();
+                    match Extras::add(doc, &scene, baked, (&meshes, &triangles), &mut data, &mut trees.culler)
+                    {
                         Ok(added) => (extras, opened) = (Some(added), Some((gradual, data))),
                         Err(error) => broken = Some(error.to_string()),
                     }
@@ -175,7 +177,8 @@ fn looks(
         Ok(looks) => looks,
         Err(error) => return plain(Some(error.to_string())),
     };
-    let drawn = |mesh: &svs_render::Mesh| mesh.primitives.iter().map(|p| p.indices.len() / 3).sum::<usize>() as u32;
+    let drawn =
+        |mesh: &svs_render::Mesh| mesh.primitives.iter().map(|p| p.indices.len() / 3).sum::<usize>() as u32;
     let first = looks.data.meshes.len() - meshes.len();
     let triangles: Vec<u32> = looks.data.meshes[first..].iter().map(drawn).collect();
     match Extras::add(doc, scene, baked, (&meshes, &triangles), &mut looks.data, culler) {

@@ -41,7 +41,9 @@ pub fn arrange(document: &mut Document) -> Result<Arranged, StreamError> {
     restore(document)?;
     require(document)?;
     let ranks = ranks(document);
-    let pieces = order(document, |views| views.iter().filter_map(|view| ranks.get(view)).min().copied().unwrap_or(u64::MAX))?;
+    let pieces = order(document, |views| {
+        views.iter().filter_map(|view| ranks.get(view)).min().copied().unwrap_or(u64::MAX)
+    })?;
     let index_bytes = prepend_index(document)?;
     Ok(Arranged { pieces, index_bytes })
 }
@@ -226,7 +228,8 @@ fn ranks(document: &Document) -> BTreeMap<usize, u64> {
         .flat_map(|proxies| proxies.nodes().iter().map(|node| (node.depth, node.mesh)))
         .collect();
     proxies.sort_unstable();
-    let meshes = proxies.into_iter().map(|(_, mesh)| mesh as usize).chain(by_importance(document, &scene, &baked));
+    let meshes =
+        proxies.into_iter().map(|(_, mesh)| mesh as usize).chain(by_importance(document, &scene, &baked));
     let meshes: Vec<usize> = meshes.collect();
     for mesh in meshes {
         let Some(mesh) = json::array(root, "meshes").get(mesh) else { continue };

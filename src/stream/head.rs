@@ -47,14 +47,8 @@ impl Head {
             return None;
         }
         let step = if json > LONG { Step::Index } else { Step::Json };
-        let mut head = Self {
-            length,
-            json,
-            parts: Vec::new(),
-            have: Ranges::default(),
-            asked: Ranges::default(),
-            step,
-        };
+        let mut head =
+            Self { length, json, parts: Vec::new(), have: Ranges::default(), asked: Ranges::default(), step };
         head.store(0, first);
         Some(head)
     }
@@ -116,8 +110,12 @@ impl Head {
 
     /// What to fetch now; empty while something is on its way.
     pub fn wanted(&mut self) -> Vec<Range<u64>> {
-        let wanted: Vec<Range<u64>> =
-            self.have.missing(self.needed()).into_iter().filter(|range| !self.asked.contains(range)).collect();
+        let wanted: Vec<Range<u64>> = self
+            .have
+            .missing(self.needed())
+            .into_iter()
+            .filter(|range| !self.asked.contains(range))
+            .collect();
         wanted.iter().for_each(|range| self.asked.insert(range.clone()));
         wanted
     }
@@ -146,10 +144,15 @@ impl Head {
         if self.step == Step::Index {
             if let Some(header) = self.index() {
                 // There may be more to fetch than was guessed.
-                let Some(packed) = self.read(self.bin() + index::HEADER as u64..self.index_end(header)) else {
+                let Some(packed) = self.read(self.bin() + index::HEADER as u64..self.index_end(header))
+                else {
                     return Ok(None);
                 };
-                let known = self.have.missing(0..PREFIX + self.json).first().map_or(self.json, |gap| gap.start - PREFIX);
+                let known = self
+                    .have
+                    .missing(0..PREFIX + self.json)
+                    .first()
+                    .map_or(self.json, |gap| gap.start - PREFIX);
                 let begin = self.read(PREFIX..PREFIX + known.min(u64::from(header.text))).unwrap_or_default();
                 if let Some(text) = index::unpack(header, &packed, &begin) {
                     return self.document(&text).map(Some);
@@ -168,7 +171,10 @@ impl Head {
         let json = serde_json::from_slice(&text[..end]).map_err(ReadError::from)?;
         let start = self.bin();
         let chunk = self.read(start - CHUNK_HEADER..start).unwrap_or_default();
-        let broken = |problem: &str| ReadError::Glb { offset: (start - CHUNK_HEADER) as usize, problem: problem.to_owned() };
+        let broken = |problem: &str| ReadError::Glb {
+            offset: (start - CHUNK_HEADER) as usize,
+            problem: problem.to_owned(),
+        };
         if chunk.get(4..8) != Some(b"BIN\0".as_slice()) {
             return Err(broken("the second chunk is not BIN").into());
         }

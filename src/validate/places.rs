@@ -62,7 +62,10 @@ impl<'a> Scenes<'a> {
         }
         // Textures do not matter here.
         let scene = (self.listed() > 0).then_some(index);
-        let scene = match read_scene(self.doc, &ReadOptions { scene, mask: MaskMode::Transparent, ..ReadOptions::default() }) {
+        let scene = match read_scene(
+            self.doc,
+            &ReadOptions { scene, mask: MaskMode::Transparent, ..ReadOptions::default() },
+        ) {
             Ok(scene) => Some(Arc::new(scene)),
             Err(error) => {
                 let message =

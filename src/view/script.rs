@@ -6,8 +6,8 @@
 //!
 //! Each step takes one frame; loading is waited for. After the last step the window closes, unless a step was `"stay"`.
 
-use crate::rig::CameraMode;
 use super::state::Colours;
+use crate::rig::CameraMode;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 

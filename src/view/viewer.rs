@@ -1,6 +1,5 @@
 //! The viewer without its window: scene, camera, settings, and what happens when they change.
 
-use crate::rig::{CameraMode, Rig};
 use super::canvas::Canvas;
 use super::figures::History;
 use super::keys::{Held, Shortcut};
@@ -8,6 +7,7 @@ use super::loading::{Loading, file_name};
 use super::recording::Tape;
 use super::scene::{Eye, Missing, OpenScene};
 use super::state::{Limit, State};
+use crate::rig::{CameraMode, Rig};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -149,9 +149,11 @@ fn nothing_else_is_there() {
         assert_eq!(answer.status, 404, "{path}");
         assert!(!answer.body.windows(6).any(|window| window == b"secret"), "{path}");
     }
-    let post = server.raw("POST / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Length: 0\r\n\r\n");
+    let post =
+        server.raw("POST / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Length: 0\r\n\r\n");
     assert_eq!(post.status, 405);
-    let other = server.raw("GET /scene/plant.glb HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n");
+    let other =
+        server.raw("GET /scene/plant.glb HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n");
     assert_eq!(other.status, 403);
 }
 
@@ -182,5 +184,8 @@ fn what_cannot_be_served_is_said() {
     fails(&[folder.path().join("none.glb").as_os_str(), "--site".as_ref(), empty], "cannot read");
     let server = serve(&sample);
     let port = server.port.to_string();
-    fails(&[sample.as_os_str(), "--site".as_ref(), empty, "--port".as_ref(), port.as_ref()], "another with --port");
+    fails(
+        &[sample.as_os_str(), "--site".as_ref(), empty, "--port".as_ref(), port.as_ref()],
+        "another with --port",
+    );
 }

@@ -4,11 +4,11 @@ mod items;
 
 pub(crate) use items::Missing;
 
+use crate::stage::overlay;
 use crate::stage::{Kind, Method, Stage, visible_objects};
 use crate::view::canvas::{Canvas, SCENE_FORMAT};
 use crate::view::figures::FrameFigures;
 use crate::view::loading::Loaded;
-use crate::stage::overlay;
 use crate::view::state::{Colours, Limit, State};
 use crate::view::tints;
 use std::collections::BTreeSet;

@@ -106,9 +106,8 @@ impl Painter {
     /// Proxies for what has not come yet, as far as they have.
     fn stand_in(&mut self, open: &Open) {
         let missing = self.drawn.iter().filter(|&&id| !open.has(id));
-        let mut proxies: Vec<u32> = missing
-            .filter_map(|&id| open.stage.proxies_around(id).find(|&proxy| open.has(proxy)))
-            .collect();
+        let mut proxies: Vec<u32> =
+            missing.filter_map(|&id| open.stage.proxies_around(id).find(|&proxy| open.has(proxy))).collect();
         proxies.sort_unstable();
         proxies.dedup();
         self.drawn.extend(proxies);

@@ -1,9 +1,9 @@
 //! The open file.
 
-use svs::appearance::Gradual;
-use svs::gltf::Document;
 use std::collections::BTreeSet;
 use std::ops::Range;
+use svs::appearance::Gradual;
+use svs::gltf::Document;
 use svs::stage::{Extra, Stage};
 use svs::stream::{Loader, StreamError, priorities};
 use svs_render::{Gpu, GpuScene, Image, RenderError, View};
@@ -41,8 +41,9 @@ impl Open {
         let meshes: Vec<u32> = (0..stage.data.meshes.len() as u32).collect();
         gradual.fill(&doc, &meshes, &mut stage.data).map_err(|error| text(&error))?;
         let images = 0..stage.data.images.len() as u32;
-        let images: Vec<(u32, Vec<u8>)> =
-            images.filter_map(|place| Some((place, gradual.image_bytes(&doc, place)?.into_owned()))).collect();
+        let images: Vec<(u32, Vec<u8>)> = images
+            .filter_map(|place| Some((place, gradual.image_bytes(&doc, place)?.into_owned())))
+            .collect();
         let read = vec![true; stage.data.meshes.len()];
         let mut open = Self::new(stage, None, Vec::new(), read);
         (open.awaited, open.undecoded) = (images.len(), images);
@@ -136,7 +137,9 @@ impl Open {
             let texels = u64::from(image.width) * u64::from(image.height);
             texels > 0 && texels * 4 == image.rgba.len() as u64
         };
-        if let (Some(slot), Some(image)) = (self.stage.data.images.get_mut(place as usize), image.filter(fits)) {
+        if let (Some(slot), Some(image)) =
+            (self.stage.data.images.get_mut(place as usize), image.filter(fits))
+        {
             *slot = image;
         }
         self.awaited = self.awaited.saturating_sub(1);
@@ -167,7 +170,11 @@ impl Open {
     pub(crate) fn set_hidden(&mut self, object: u32, hidden: bool) {
         if (object as usize) < self.stage.scene.objects.len() {
             self.stage.set_hidden(object, hidden);
-            if hidden { self.hidden.insert(object) } else { self.hidden.remove(&object) };
+            if hidden {
+                self.hidden.insert(object)
+            } else {
+                self.hidden.remove(&object)
+            };
         }
     }
 }

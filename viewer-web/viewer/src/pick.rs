@@ -45,7 +45,8 @@ impl Pick {
         for (layer, offset) in layers.iter().zip([0, APART]) {
             let mut from = layer.as_image_copy();
             from.origin = wgpu::Origin3d { x: pixel[0], y: pixel[1], z: 0 };
-            let layout = wgpu::TexelCopyBufferLayout { offset, bytes_per_row: Some(256), rows_per_image: None };
+            let layout =
+                wgpu::TexelCopyBufferLayout { offset, bytes_per_row: Some(256), rows_per_image: None };
             let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
             let one = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
             encoder.copy_texture_to_buffer(from, to, one);

@@ -204,7 +204,13 @@ impl Viewer {
     ///
     /// # Errors
     /// When the GPU has no room for it.
-    pub fn set_image(&mut self, place: u32, width: u32, height: u32, rgba: Option<Vec<u8>>) -> Result<(), JsError> {
+    pub fn set_image(
+        &mut self,
+        place: u32,
+        width: u32,
+        height: u32,
+        rgba: Option<Vec<u8>>,
+    ) -> Result<(), JsError> {
         let image = rgba.map(|rgba| Image { width, height, rgba });
         if let Some(open) = &mut self.open
             && open.set_image(&self.gpu, place, image).map_err(wrong)?
@@ -430,7 +436,9 @@ impl Viewer {
     pub fn pick(&mut self, x: u32, y: u32) {
         let eye = self.eye();
         let Some(open) = &self.open else { return };
-        let Some(scene) = open.gpu_scene.as_ref().filter(|_| x < eye.size[0] && y < eye.size[1]) else { return };
+        let Some(scene) = open.gpu_scene.as_ref().filter(|_| x < eye.size[0] && y < eye.size[1]) else {
+            return;
+        };
         let frame = Frame { view: eye.view, objects: &self.painter.drawn, lines: &[] };
         let renderer = &mut self.painter.renderer;
         self.pick = Some(Pick::start(&self.gpu, renderer, scene, &frame, eye.size, [x, y]));

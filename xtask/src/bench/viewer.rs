@@ -38,13 +38,19 @@ impl Options {
                     options.frames = frames.ok_or("--frames wants a number from 1 to 1000")?;
                 }
                 "--scenes" => options.scenes = PathBuf::from(value),
-                _ => return Err(format!("`bench viewer` does not know `{first} {value}`; see `cargo xtask help`")),
+                _ => {
+                    return Err(format!(
+                        "`bench viewer` does not know `{first} {value}`; see `cargo xtask help`"
+                    ));
+                }
             }
             arguments = rest;
         }
         match arguments {
             [] => Ok(options),
-            _ => Err(format!("`bench viewer` does not know `{}`; see `cargo xtask help`", arguments.join(" "))),
+            _ => {
+                Err(format!("`bench viewer` does not know `{}`; see `cargo xtask help`", arguments.join(" ")))
+            }
         }
     }
 }
@@ -81,7 +87,8 @@ fn baked(options: &Options, name: &str, stream: bool) -> Result<PathBuf, String>
         return Ok(output);
     }
     let scenes = find_scenes(&options.scenes, name)?;
-    let (_, input) = scenes.first().ok_or_else(|| format!("no scene {name} in {}", options.scenes.display()))?;
+    let (_, input) =
+        scenes.first().ok_or_else(|| format!("no scene {name} in {}", options.scenes.display()))?;
     let mut bake = svs();
     bake.arg("build").arg(input).arg("-o").arg(&output).arg("-q");
     if stream {
