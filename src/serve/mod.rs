@@ -13,13 +13,16 @@ pub use content::Site;
 use crate::gltf::{Document, ReadError, WriteError};
 use content::Content;
 use range::{Asked, asked};
-use std::io::Read;
+use std::fmt::Write as _;
+use std::io::{Read, Write as _};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
-use tiny_http::{Header, Method, Request, Response, StatusCode};
+use tiny_http::{Method, Request};
 
 /// Requests that are answered at the same time: browsers open six connections to a host.
 const THREADS: usize = 6;
+
+const NOT_FOUND: (u16, &str) = (404, "Not Found");
 
 /// Why there is nothing to serve.
 #[derive(Debug, thiserror::Error)]
@@ -113,17 +116,21 @@ impl Server {
 
     fn answer(&self, request: Request) -> std::io::Result<()> {
         if !matches!(request.method(), Method::Get | Method::Head) {
-            return plain(request, 405, "only GET and HEAD are answered");
+            return plain(request, (405, "Method Not Allowed"), "only GET and HEAD are answered");
         }
         if !self.is_for_us(&request) {
-            return plain(request, 403, "this server answers to 127.0.0.1 and localhost alone");
+            return plain(
+                request,
+                (403, "Forbidden"),
+                "this server answers to 127.0.0.1 and localhost alone",
+            );
         }
         let path = request.url().split(['?', '#']).next().unwrap_or_default();
         let path = path.strip_prefix('/').unwrap_or(path).to_owned();
         let content = if path == self.path { Some(&self.scene) } else { self.site.get(&path) };
         match content {
             Some(content) => send(request, content),
-            None => plain(request, 404, "there is nothing here"),
+            None => plain(request, NOT_FOUND, "there is nothing here"),
         }
     }
 
@@ -139,55 +146,62 @@ fn header(request: &Request, name: &'static str) -> Option<String> {
     request.headers().iter().find(|h| h.field.equiv(name)).map(|h| h.value.as_str().to_owned())
 }
 
-fn field(name: &str, value: &str) -> Option<Header> {
-    Header::from_bytes(name, value).ok()
+/// One answer for each connection: with kept ones, `tiny_http` 0.12 lets a browser's fifth and sixth connection wait for the
+/// end of the first four, which never comes. Its own answers cannot say so, hence this one.
+fn respond(
+    request: Request,
+    (status, reason): (u16, &str),
+    headers: &[(&str, &str)],
+    length: u64,
+    body: &mut dyn Read,
+) -> std::io::Result<()> {
+    let is_head = *request.method() == Method::Head;
+    let mut out = request.into_writer();
+    let mut head = format!("HTTP/1.1 {status} {reason}\r\nConnection: close\r\nContent-Length: {length}\r\n");
+    for (name, value) in headers {
+        let _ = write!(head, "{name}: {value}\r\n");
+    }
+    head.push_str("\r\n");
+    out.write_all(head.as_bytes())?;
+    if !is_head {
+        std::io::copy(&mut body.take(length), &mut out)?;
+    }
+    out.flush()
 }
 
-fn plain(request: Request, status: u16, text: &str) -> std::io::Result<()> {
-    request.respond(Response::from_string(format!("{text}\n")).with_status_code(status))
+fn plain(request: Request, status: (u16, &str), text: &str) -> std::io::Result<()> {
+    let text = format!("{text}\n");
+    let headers = [("Content-Type", "text/plain; charset=utf-8")];
+    respond(request, status, &headers, text.len() as u64, &mut text.as_bytes())
 }
 
 fn send(request: Request, content: &Content) -> std::io::Result<()> {
     let length = match content.length() {
         Ok(length) => length,
-        Err(error) => return plain(request, 404, &format!("the file is gone: {error}")),
+        Err(error) => return plain(request, NOT_FOUND, &format!("the file is gone: {error}")),
     };
-    let mut headers = vec![
-        field("Content-Type", content.kind()),
-        field("Accept-Ranges", "bytes"),
-        // The file may be baked again while it is looked at.
-        field("Cache-Control", "no-cache"),
-    ];
+    // The file may be baked again while it is looked at.
+    let mut headers =
+        vec![("Content-Type", content.kind()), ("Accept-Ranges", "bytes"), ("Cache-Control", "no-cache")];
     let (status, range) = match asked(header(&request, "Range").as_deref(), length) {
-        Asked::Whole => (200, 0..length),
-        Asked::Part(range) => {
-            let text = format!("bytes {}-{}/{length}", range.start, range.end - 1);
-            headers.push(field("Content-Range", &text));
-            (206, range)
-        }
+        Asked::Whole => ((200, "OK"), 0..length),
+        Asked::Part(range) => ((206, "Partial Content"), range),
         Asked::Nothing => {
-            let response = Response::from_string("no such bytes\n").with_status_code(416);
-            let range = field("Content-Range", &format!("bytes */{length}"));
-            return request.respond(response.with_header_option(range));
+            let range = format!("bytes */{length}");
+            return respond(
+                request,
+                (416, "Range Not Satisfiable"),
+                &[("Content-Range", &range)],
+                0,
+                &mut std::io::empty(),
+            );
         }
     };
-    let size = usize::try_from(range.end - range.start).ok();
-    let body = content.read(range)?;
-    let headers = headers.into_iter().flatten().collect();
-    // Never in chunks: the length is known.
-    let response = Response::new(StatusCode(status), headers, body, size, None);
-    request.respond(response.with_chunked_threshold(usize::MAX))
-}
-
-trait WithOption {
-    fn with_header_option(self, header: Option<Header>) -> Self;
-}
-
-impl<R: Read> WithOption for Response<R> {
-    fn with_header_option(self, header: Option<Header>) -> Self {
-        match header {
-            Some(header) => self.with_header(header),
-            None => self,
-        }
+    let place = format!("bytes {}-{}/{length}", range.start, range.end.saturating_sub(1));
+    if status.0 == 206 {
+        headers.push(("Content-Range", &place));
     }
+    let size = range.end - range.start;
+    let mut body = content.read(range)?;
+    respond(request, status, &headers, size, &mut body)
 }

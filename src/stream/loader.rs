@@ -47,8 +47,8 @@ pub struct Loader {
     gradual: Option<Gradual>,
     meshes: Vec<Need>,
     images: Vec<Need>,
-    /// Meshes of proxies and levels come after this place of the data.
-    own_meshes: usize,
+    /// All meshes as their bytes lie in the file.
+    in_file: Vec<u32>,
 }
 
 impl Loader {
@@ -68,7 +68,7 @@ impl Loader {
             gradual: None,
             meshes: Vec::new(),
             images: Vec::new(),
-            own_meshes: 0,
+            in_file: Vec::new(),
         };
         for (at, bytes) in parts {
             loader.receive(at, &bytes)?;
@@ -144,13 +144,15 @@ impl Loader {
                 Need { ranges: ranges.into_iter().collect(), images: Vec::new(), done: false }
             })
             .collect();
-        self.own_meshes = stage.scene.meshes.len();
+        self.in_file = (0..self.meshes.len() as u32).collect();
+        let begin = |&mesh: &u32| self.meshes[mesh as usize].ranges.iter().map(|range| range.start).min();
+        self.in_file.sort_by_key(begin);
         self.gradual = Some(gradual);
         Ok(stage)
     }
 
-    /// What to fetch next: at most about half a megabyte, of the meshes that come first in `order`. Empty if all is there or
-    /// on its way.
+    /// What to fetch next: at most about half a megabyte, of the meshes that come first in `order`, then of all others as they
+    /// lie in the file, in few requests. Empty if all is there or on its way.
     pub fn wanted(&mut self, order: &[u32]) -> Vec<Range<u64>> {
         let mut batch = Vec::new();
         let mut bytes = 0;
@@ -168,7 +170,7 @@ impl Loader {
             let first = self.first.clone();
             add(&first, &mut self.asked, &self.have);
         } else {
-            for &mesh in order {
+            for &mesh in order.iter().chain(&self.in_file) {
                 let Some(need) = self.meshes.get(mesh as usize).filter(|need| !need.done) else { continue };
                 let mut full = add(&need.ranges, &mut self.asked, &self.have);
                 for &image in &need.images {

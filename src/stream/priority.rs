@@ -5,25 +5,19 @@ use glam::DVec3;
 use svs_render::View;
 use svs_runtime::Budget;
 
-/// How much less an object counts that is not seen from here.
-const HIDDEN: f64 = 1e-4;
-
-/// Meshes of the stage's data, those first that show most pixels per byte; `bytes` are those of each mesh in the file.
+/// Meshes of the stage's data that are seen from here, those first that show most pixels per byte; `bytes` are those of each
+/// mesh in the file.
 ///
 /// Proxies come first of all, coarse ones before fine ones: each stands for many objects.
 pub fn priorities(stage: &mut Stage, view: &View, width: u32, height: u32, bytes: &[u64]) -> Vec<u32> {
     let mut worth = vec![0.0; stage.data.meshes.len()];
     let settings = stage.recommended();
     let drawn = stage.cull(view, width, height, Method::Visibility, &settings, &Budget::Unlimited).to_vec();
-    let mut seen = vec![HIDDEN; stage.scene.objects.len()];
-    for object in drawn {
-        seen[object as usize] = 1.0;
-    }
     let scale = f64::from(height) / (2.0 * (view.vertical_fov * 0.5).tan());
-    for (object, share) in seen.into_iter().enumerate() {
-        let pixels = pixels(stage, object as u32, view.eye, scale);
-        if let Some(worth) = worth.get_mut(stage.data.objects[object].mesh as usize) {
-            *worth += pixels * share;
+    for object in drawn {
+        let pixels = pixels(stage, object, view.eye, scale);
+        if let Some(worth) = worth.get_mut(stage.data.objects[object as usize].mesh as usize) {
+            *worth += pixels;
         }
     }
     let mut order: Vec<(u32, f64)> = (worth.iter().enumerate())
@@ -34,6 +28,7 @@ pub fn priorities(stage: &mut Stage, view: &View, width: u32, height: u32, bytes
             *worth = f64::MAX / f64::from(depth + 2);
         }
     }
+    order.retain(|&(_, worth)| worth > 0.0);
     order.sort_by(|a, b| b.1.total_cmp(&a.1));
     order.into_iter().map(|(mesh, _)| mesh).collect()
 }

@@ -19,7 +19,6 @@ async function measure(file, stream) {
     const network = await page.context().newCDPSession(page);
     await network.send('Network.enable');
     await network.send('Network.emulateNetworkConditions', NETWORK);
-    if (!stream) await page.evaluate(() => history.replaceState(null, '', '?backend=webgl&stream=off'));
     // The page itself is there already: what counts is the file, from the first request on.
     const pictures = await page.evaluate(async ([source, stream]) => {
         const { svs } = /** @type {any} */ (window);

@@ -149,10 +149,10 @@ for (const backend of BACKENDS) {
         await page.getByLabel('Freeze culling').uncheck();
 
         // Another size of the window.
-        await page.setViewportSize({ width: 640, height: 400 });
-        await page.waitForFunction(() => document.querySelector('canvas')?.width === 340);
+        await page.setViewportSize({ width: 760, height: 400 });
+        await page.waitForFunction(() => document.querySelector('canvas')?.width === 460);
         const resized = await settled(page);
-        assert.deepEqual([resized.width, resized.height], [340, 400]);
+        assert.deepEqual([resized.width, resized.height], [460, 400]);
         assert.deepEqual(problems, []);
         await page.close();
     });

@@ -39,6 +39,11 @@ Commands:
       --frames N                      frames of each path (default: 24; 6 in the large scenes)
       --passes N                      times each frame is timed (default: 3; 2 in the large scenes)
       --scenes FOLDER                 where the public scenes are (default: ../shared/scenes)
+  bench viewer  frame times of the web viewer on WebGL 2, frustum culling against visibility, and how soon a picture is
+                complete while a scene comes at 20 Mbit/s; one line of JSON a scene
+      --part viewer,stream            only these parts (default: both)
+      --frames N                      frames of the path (default: 24)
+      --scenes FOLDER                 where the public scenes are (default: ../shared/scenes)
   bench web     three.js alone against three.js with the plugin in a browser on WebGL 2, and culling in WebAssembly against
                 native
       --only NAME[,NAME...]           only scenes whose name contains one of them
@@ -64,6 +69,9 @@ fn main() -> ExitCode {
         }
         ["bench", "frames", rest @ ..] => {
             bench::frames::Options::parse(rest).and_then(|options| bench::frames::frames(&options))
+        }
+        ["bench", "viewer", rest @ ..] => {
+            bench::viewer::Options::parse(rest).and_then(|options| bench::viewer::viewer(&options))
         }
         ["bench", "web", rest @ ..] => {
             bench::web::Options::parse(rest).and_then(|options| bench::web::web(&options))

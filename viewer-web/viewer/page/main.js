@@ -21,6 +21,8 @@ const svs = {
   backend: null,
   error: null,
   figures: null,
+  /** Whether files are loaded by ranges where the server can. */
+  stream: query.get('stream') !== 'off',
   /** Times in milliseconds since the page was opened. */
   times: {},
   viewer: null,
@@ -116,8 +118,7 @@ function openFile(file) {
 function openUrl(url) {
   const address = new URL(url, location.href);
   const name = decodeURIComponent(address.pathname.split('/').pop()) || address.host;
-  const stream = query.get('stream') !== 'off';
-  return open(name, (options) => load(viewer, address.href, { ...options, stream }));
+  return open(name, (options) => load(viewer, address.href, { ...options, stream: svs.stream }));
 }
 
 /** Keys that do something once; says whether this one does. */

@@ -147,7 +147,7 @@ impl Painter {
         true
     }
 
-    /// Clears the canvas to the sky where no file is open.
+    /// What the camera sees on an image of this size.
     pub(crate) fn view_of(rig: &Rig, size: [u32; 2]) -> Eye {
         Eye { view: rig.view(), size }
     }

@@ -3,6 +3,7 @@
 pub(crate) mod frames;
 pub(crate) mod proxies;
 pub(crate) mod scenes;
+pub(crate) mod viewer;
 pub(crate) mod web;
 
 use crate::run;
