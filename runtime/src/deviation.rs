@@ -18,6 +18,12 @@ impl Deviation {
         Self { mean: error, rms: error, wrong: 0.0 }
     }
 
+    /// Where lengths are `factor` times as long, at least 0.
+    pub fn stretched(&self, factor: f64) -> Self {
+        let length = |length: f32| (f64::from(length) * factor).min(f64::from(f32::MAX)) as f32;
+        Self { mean: length(self.mean), rms: length(self.rms), wrong: self.wrong }
+    }
+
     /// Finite, in order, and within the error.
     pub(crate) fn is_valid(&self, error: f32) -> bool {
         let in_order = self.mean >= 0.0 && self.mean <= self.rms && self.rms <= error;

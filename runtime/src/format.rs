@@ -161,7 +161,7 @@ pub struct MeshLevelJson {
     pub error: f64,
     /// Mean and root mean square of the distance, metres of mesh space, and the share that looks wrong. Absent: the error
     /// everywhere, and nothing wrong.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "json", serde(default, skip_serializing_if = "Option::is_none"))]
     pub deviation: Option<[f64; 3]>,
 }
 

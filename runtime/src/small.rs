@@ -31,8 +31,9 @@ impl Smallest {
         let left_out = self.lowest_classes(most);
         let mut small = self.list.iter().filter(|small| left_out.has(small.pixels)).peekable();
         if let Some(first) = small.peek() {
-            let mut kept = first.at as usize;
-            for at in kept..drawn.len() {
+            let first = first.at as usize;
+            let mut kept = first;
+            for at in first..drawn.len() {
                 if small.next_if(|small| small.at as usize == at).is_none() {
                     drawn[kept] = drawn[at];
                     kept += 1;

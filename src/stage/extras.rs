@@ -7,7 +7,7 @@ use glam::DAffine3;
 use serde_json::Value;
 use std::collections::{BTreeSet, HashMap};
 use svs_render::{Object, SceneData};
-use svs_runtime::{BoundsError, Deviation, Draw, LOOSE, Level, SceneCuller, Selected, SelectedKind, stretch};
+use svs_runtime::{BoundsError, Draw, LOOSE, Level, SceneCuller, Selected, SelectedKind, stretch};
 
 /// No object.
 const NONE: u32 = u32::MAX;
@@ -131,11 +131,7 @@ impl Extras {
                     levels.extend(levels_of(object).iter().map(|level| Level {
                         triangles: triangles(level.mesh),
                         error: stretched(level.error),
-                        deviation: Deviation {
-                            mean: stretched(level.deviation.mean),
-                            rms: stretched(level.deviation.rms),
-                            wrong: level.deviation.wrong,
-                        },
+                        deviation: level.deviation.stretched(stretch),
                     }));
                 }
                 starts.push(levels.len() as u32);

@@ -16,6 +16,7 @@ const TABLES = [
 const PROXY_TABLES = [
     'PROXY_SPHERE', 'PROXY_SUBTREE', 'PROXY_FIRST_OBJECT', 'PROXY_OBJECT_COUNT',
     'PROXY_OBJECT', 'PROXY_ERROR', 'PROXY_MESH', 'PROXY_ORIGIN',
+    'PROXY_DEVIATION',
 ];
 
 /** @type {Record<string, number>} Components per element. */

@@ -152,8 +152,11 @@ export class VisibilityScene {
         }
         for (const entry of extension.meshLevels ?? []) {
             const meshes = indices(entry.levels.map((/** @type {Json} */ level) => level.mesh), 'meshLevels');
-            const errors = Float64Array.from(entry.levels, (/** @type {Json} */ level) => Number(level.error));
-            builder.meshLevels(entry.mesh, meshes, errors);
+            const errors = entry.levels.flatMap((/** @type {Json} */ level) => {
+                const deviation = level.deviation ?? [-1, -1, -1];
+                return [0, 1, 2, 3].map((k) => Number(k === 0 ? level.error : deviation[k - 1]));
+            });
+            builder.meshLevels(entry.mesh, meshes, Float64Array.from(errors));
         }
         const walked = walk(json, views, sceneOf(json));
         const { triangles, boxes } = measureMeshes(json);

@@ -100,16 +100,14 @@ fn originals(
     seen: Option<&[bool]>,
     options: &NodeOptions,
 ) -> Option<Vec<Place>> {
-    let proxies = || {
-        parts.iter().filter_map(|part| match part {
-            Part::Proxy { geometry, origin } => Some(moved(&geometry.places, *origin)),
-            Part::Mesh { .. } => None,
-        })
-    };
-    if proxies().next().is_none() {
+    let proxies = parts.iter().filter_map(|part| match part {
+        Part::Proxy { geometry, origin } => Some(moved(&geometry.places, *origin)),
+        Part::Mesh { .. } => None,
+    });
+    let mut all: Vec<Place> = proxies.flatten().collect();
+    if all.is_empty() {
         return None;
     }
-    let mut all: Vec<Place> = proxies().flatten().collect();
     let meshes: Vec<Part<'_>> =
         parts.iter().filter(|part| matches!(part, Part::Mesh { .. })).copied().collect();
     let meshes = gather(&meshes, palette);

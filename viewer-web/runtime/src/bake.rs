@@ -45,7 +45,8 @@ pub struct TreeNumbers {
     /// In this order: `scene`, `objectCount`, `levelBits`, `importanceArea`, `recommended.quality`, `fingerprint.triangles`,
     /// then the accessors of the tables (NODE_SPHERE, NODE_SUBTREE, NODE_FIRST_OBJECT, NODE_OBJECT_COUNT, OBJECT_ORDER,
     /// LEVEL_ROW, LEVEL_ROW_INDEX, IMPORTANCE) and, if there are proxies, `visible` as 0 or 1 and theirs (PROXY_SPHERE,
-    /// PROXY_SUBTREE, PROXY_FIRST_OBJECT, PROXY_OBJECT_COUNT, PROXY_OBJECT, PROXY_ERROR, PROXY_MESH, PROXY_ORIGIN).
+    /// PROXY_SUBTREE, PROXY_FIRST_OBJECT, PROXY_OBJECT_COUNT, PROXY_OBJECT, PROXY_ERROR, PROXY_MESH, PROXY_ORIGIN,
+    /// PROXY_DEVIATION).
     /// -1 stands for what is absent, NaN for what is no number.
     pub numbers: Vec<f64>,
     /// `object`, `tree` and `anchor` of each of `nested`.
@@ -61,7 +62,7 @@ pub struct MeshLevelsTable {
     pub mesh: u32,
     /// Simplified meshes.
     pub meshes: Vec<u32>,
-    /// Their errors, in units of mesh space; one each.
+    /// Of each its error and the three numbers of its `deviation`, in units of mesh space; the latter negative if absent.
     pub errors: Vec<f64>,
 }
 
@@ -81,8 +82,12 @@ impl Bake {
             self.trees.iter().enumerate().map(|(index, tree)| tree.json(index, proxies)).collect();
         let levels = self.mesh_levels.iter().filter(|_| proxies).map(|entry| MeshLevelsJson {
             mesh: entry.mesh,
-            levels: (entry.meshes.iter().zip(&entry.errors))
-                .map(|(&mesh, &error)| MeshLevelJson { mesh, error })
+            levels: (entry.meshes.iter().zip(entry.errors.as_chunks().0))
+                .map(|(&mesh, &[error, mean, rms, wrong])| MeshLevelJson {
+                    mesh,
+                    error,
+                    deviation: (mean >= 0.0).then_some([mean, rms, wrong]),
+                })
                 .collect(),
         });
         let levels: Vec<MeshLevelsJson> = levels.collect();
@@ -98,7 +103,7 @@ impl Bake {
 /// Places in [`TreeNumbers::numbers`].
 const TABLES: usize = 6;
 const PROXIES: usize = 14;
-const END: usize = 23;
+const END: usize = 24;
 
 impl TreeNumbers {
     fn has_proxies(&self) -> bool {
@@ -133,6 +138,7 @@ impl TreeNumbers {
                     error: proxy_table(PROXIES + 6)?,
                     mesh: proxy_table(PROXIES + 7)?,
                     origin: proxy_table(PROXIES + 8)?,
+                    deviation: optional(PROXIES + 9, "proxies/tables")?,
                 },
             })
         } else {

@@ -69,6 +69,7 @@ impl Extras {
                     levels.extend(levels_of(object).iter().map(|level| Level {
                         triangles: mesh_triangles(level.mesh),
                         error: (f64::from(level.error) * stretch).min(f64::from(f32::MAX)) as f32,
+                        deviation: level.deviation.stretched(stretch),
                     }));
                 }
                 starts.push(levels.len() as u32);
