@@ -22,6 +22,7 @@ mod geometry;
 mod gpu;
 #[cfg(feature = "gpu")]
 mod layout;
+mod line;
 #[cfg(feature = "gpu")]
 mod mipmap;
 #[cfg(all(feature = "gpu", not(target_arch = "wasm32")))]
@@ -48,9 +49,10 @@ pub use data::{
 #[cfg(feature = "gpu")]
 pub use error::RenderError;
 #[cfg(feature = "gpu")]
-pub use frame::{Frame, Line};
+pub use frame::Frame;
 #[cfg(feature = "gpu")]
 pub use gpu::{Gpu, GpuError};
+pub use line::Line;
 #[cfg(all(feature = "gpu", not(target_arch = "wasm32")))]
 pub use offscreen::{FrameTime, ItemBuffer, Offscreen};
 #[cfg(feature = "gpu")]
