@@ -56,7 +56,22 @@ pub(crate) enum Capacity<'a> {
     Milliseconds(f64, &'a CostModel),
 }
 
+/// A budget without the model it came with: to compare it with another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Price {
+    Triangles(u64),
+    /// And what things cost.
+    Milliseconds(f64, [f64; 3]),
+}
+
 impl Capacity<'_> {
+    pub(crate) fn price(&self) -> Price {
+        match self {
+            Self::Triangles(most) => Price::Triangles(*most),
+            Self::Milliseconds(most, model) => Price::Milliseconds(*most, model.coefficients()),
+        }
+    }
+
     pub(crate) fn fits(&self, load: Load) -> bool {
         match self {
             Self::Triangles(most) => load.triangles <= *most,

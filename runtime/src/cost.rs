@@ -47,6 +47,11 @@ const LEAST_MS: f64 = 1e-3;
 const MOST_MS: f64 = 1e7;
 
 impl CostModel {
+    /// All that predictions depend on.
+    pub(crate) fn coefficients(&self) -> [f64; 3] {
+        self.coefficients
+    }
+
     /// Before it has seen a frame: 0.5 ms, 10 ms per million triangles and 2 ms per thousand objects.
     pub fn new() -> Self {
         Self {

@@ -136,6 +136,7 @@ impl SceneCuller {
 
     /// Where an anchor is: the transform from its tree's space to world space. Anchors that do not exist are ignored.
     pub fn set_anchor(&mut self, tree: u32, anchor: u32, to_world: DAffine3) {
+        self.detail.ask_again();
         if let Some(index) = self.find(tree, anchor) {
             self.placed[index].to_world = to_world;
         }
@@ -144,6 +145,7 @@ impl SceneCuller {
     /// Leaves an anchor out, with all trees inside it, or takes it in again: for trees of a glTF scene that is not the one
     /// shown. This is not for hiding things in the scene shown, see [`Self::set_hidden`].
     pub fn set_shown(&mut self, tree: u32, anchor: u32, shown: bool) {
+        self.detail.ask_again();
         if let Some(index) = self.find(tree, anchor) {
             self.placed[index].shown = shown;
         }
@@ -152,6 +154,7 @@ impl SceneCuller {
     /// Hides an object or shows it again, see [`crate::Culler::set_hidden`]. Spheres of the trees around its tree are not
     /// trusted either while it is hidden. Objects that do not exist are ignored.
     pub fn set_hidden(&mut self, object: Draw, hidden: bool) {
+        self.detail.ask_again();
         if object.tree == LOOSE {
             self.loose.set_hidden(object.object, hidden);
             return;

@@ -99,6 +99,7 @@ impl SceneCuller {
     /// # Errors
     /// [`BoundsError`] if there is no such tree or there is not one count per object.
     pub fn set_triangles(&mut self, tree: u32, triangles: &[u32]) -> Result<(), BoundsError> {
+        self.detail.ask_again();
         let index = tree as usize;
         let placed = self.find(tree, 0).ok_or(BoundsError::NoTree { tree: index })?;
         let (found, expected) = (triangles.len(), self.placed[placed].instance.tree.object_count());
@@ -134,6 +135,7 @@ impl SceneCuller {
     /// do not make objects come and go (where the eye moved more than a tenth of the distance to the object, it counts as
     /// any other): 1.25 unless set, clamped to 1 (each frame by itself) to 16, NaN counts as 1.
     pub fn set_hysteresis(&mut self, factor: f64) {
+        self.detail.ask_again();
         self.within.hysteresis = if factor.is_nan() { 1.0 } else { factor.clamp(1.0, MOST_HYSTERESIS) };
     }
 

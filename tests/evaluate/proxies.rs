@@ -52,13 +52,13 @@ fn budgets_hold_for_proxies_and_pictures_may_have_another_reference() {
     let more = ["--frames", "2", "--tour", "outside", "--budget", "4000", "--methods", methods];
     let (_, rows) = evaluate(&scene, &report, &[&more[..], &["--reference", "proxies-sse"]].concat());
     assert!(of(&rows, "proxies-sse").all(|row| row.number("ssim") == 1.0));
+    // Dropping objects, something has to be missing; less is where there are simplified ones.
+    let missing = of(&rows, "budget").map(|row| row.number("missing_ppm")).fold(f64::INFINITY, f64::min);
+    assert!(missing > 0.0);
     for row in rows.iter().filter(|row| row.text("method").starts_with("proxies")) {
         assert!(row.number("triangles") <= 4000.0 && row.number("triangle_budget") == 4000.0, "{row:?}");
-        // 4000 triangles are enough for the coarsest of everything.
-        assert_eq!(row.number("missing_objects"), 0.0, "{row:?}");
+        assert!(row.number("missing_ppm") < missing, "{row:?}: {missing}");
     }
-    // Dropping objects, something has to be missing.
-    assert!(of(&rows, "budget").all(|row| row.number("largest_missing_px") > 0.0));
 }
 
 #[test]

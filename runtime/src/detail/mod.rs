@@ -11,7 +11,7 @@ mod tables;
 mod view;
 mod within;
 
-use crate::budget::{Budget, Capacity, Load, Selection};
+use crate::budget::{Budget, Capacity, Load, Price, Selection};
 use crate::camera::Camera;
 use crate::query::Settings;
 use crate::scene::{Draw, SceneCuller};
@@ -95,12 +95,29 @@ pub(crate) struct DetailState {
     search: Search,
     selected: Vec<Selected>,
     statistics: DetailStatistics,
+    /// What `selected` answers, while nothing has changed.
+    asked: Option<Asked>,
+}
+
+/// A question of [`SceneCuller::select`].
+#[derive(Debug, PartialEq)]
+struct Asked {
+    camera: Camera,
+    settings: Settings,
+    detail: Detail,
+    budget: Option<Price>,
 }
 
 impl DetailState {
+    /// Something has changed: the same question may have another answer.
+    pub(crate) fn ask_again(&mut self) {
+        self.asked = None;
+    }
+
     /// A frame was drawn otherwise.
     pub(crate) fn forget(&mut self) {
         self.frame.layout.clear();
+        self.ask_again();
     }
 }
 
@@ -122,6 +139,9 @@ impl SceneCuller {
     /// drawn in the last frame counts more, see [`Self::set_hysteresis`].
     /// [`Budget::StopAtFirstMisfit`] is taken for [`Budget::Triangles`].
     ///
+    /// While nothing changes, neither does the answer: what is drawn under a budget depends on the frame before, and a camera at
+    /// rest must not show that.
+    ///
     /// The order is that of [`Self::cull`], but within a tree that of its proxies.
     pub fn select(
         &mut self,
@@ -135,7 +155,13 @@ impl SceneCuller {
             Budget::Triangles(most) | Budget::StopAtFirstMisfit(most) => Some(Capacity::Triangles(most)),
             Budget::Milliseconds(most, model) => Some(Capacity::Milliseconds(most, model)),
         };
+        let budget = capacity.map(|capacity| capacity.price());
+        let asked = Asked { camera: *camera, settings: *settings, detail: *detail, budget };
+        if self.detail.asked.as_ref() == Some(&asked) {
+            return &self.detail.selected;
+        }
         let mut state = std::mem::take(&mut self.detail);
+        state.asked = Some(asked);
         std::mem::swap(&mut state.frame, &mut state.before);
         let before_eye = self.within.eye;
         state.frame.layout.clear();

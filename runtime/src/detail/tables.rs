@@ -70,6 +70,7 @@ impl SceneCuller {
         if found != expected {
             return Err(BoundsError::ProxyTriangles { tree: index, found, expected });
         }
+        self.detail.ask_again();
         let all = &mut self.detail.tables.proxies;
         all.resize(all.len().max(index + 1), Vec::new());
         all[index] = triangles.to_vec();
@@ -102,6 +103,7 @@ impl SceneCuller {
                 return Err(BoundsError::Levels { tree: index, object });
             }
         }
+        self.detail.ask_again();
         let all = &mut self.detail.tables.levels;
         all.resize(all.len().max(index + 1), Default::default());
         all[index] = (starts.to_vec(), levels.to_vec());

@@ -83,7 +83,8 @@ pub fn simplify_node(parts: &[Part<'_>], palette: &Palette, options: &NodeOption
     ProxyGeometry {
         triangles: classes.iter().map(ClassMesh::triangles).sum(),
         classes,
-        error: max + inherited,
+        // The largest distance from the originals is at least their mean, whatever the parts were measured at.
+        error: (max + inherited).max(fidelity.rms),
         fidelity,
         places: thinned(places.as_deref().unwrap_or(reference.places()), options.samples),
         gathered,
