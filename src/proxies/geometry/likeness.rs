@@ -49,7 +49,10 @@ impl TriangleLook {
             return 1.0;
         }
         let color = (self.color - other.color).abs().element_sum() / 3.0;
-        let normal = 0.5 - 0.5 * self.normal.dot(other.normal);
+        // A triangle without area has no side.
+        let has_side = |look: &Self| look.normal != Vec3::ZERO;
+        let normal =
+            if has_side(self) && has_side(other) { 0.5 - 0.5 * self.normal.dot(other.normal) } else { 0.0 };
         (color + normal * NORMAL_SHARE).clamp(0.0, 1.0)
     }
 }
