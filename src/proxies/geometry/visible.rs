@@ -16,16 +16,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Lines through the sphere: at least this many …
 const LEAST_LINES: usize = 2048;
 /// … and this many per triangle, but no more than …
-const LINES_PER_TRIANGLE: usize = 1;
+const LINES_PER_TRIANGLE: usize = 2;
 /// … this many.
 const MOST_LINES: usize = 1 << 20;
 
 /// Rays from a triangle that no line has found: at least this many …
-const LEAST_RAYS: usize = 8;
+const LEAST_RAYS: usize = 24;
 /// … plus one for each of these parts of the sphere's cross section, but no more than …
 const PART_OF_SECTION: f64 = 1.0 / 4096.0;
 /// … this many.
-const MOST_RAYS: usize = 64;
+const MOST_RAYS: usize = 256;
 
 /// Surfaces nearer to each other than this, in radii of the sphere, hide each other no more than they flicker.
 const TOUCHING: f32 = 1.0 / 65_536.0;
