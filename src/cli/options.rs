@@ -87,8 +87,8 @@ impl From<&Proxies> for ProxyOptions {
                 ProxyFormatName::Quantized => ProxyFormat::Quantized,
             },
             triangles: args.proxy_triangles,
+            share: args.proxy_share / 100.0,
             msft_lod: args.msft_lod,
-            ..Self::default()
         }
     }
 }

@@ -64,6 +64,11 @@ fn reports_tell_of_proxies_and_their_bytes() {
     let proxies = &json["proxies"];
     assert!(proxies["nodes"].as_u64() > Some(0), "{proxies}");
     assert!(proxies["share"].as_f64().is_some_and(|share| share > 0.0 && share <= 0.2), "{proxies}");
+    let fewer = folder.path().join("fewer.glb");
+    let words = ["--proxies", "auto", "--proxy-triangles", "500", "--proxy-share", "5", "--json"];
+    let fewer = build(&plant(), &fewer, &words).ok().json();
+    let share = fewer["proxies"]["share"].as_f64().expect("a share");
+    assert!(share > 0.0 && share <= 0.05, "{fewer}");
     // What is reported is about what the file grew by, and not less.
     let without = folder.path().join("without.glb");
     build(&plant(), &without, &["-q"]).ok();
