@@ -80,11 +80,16 @@ impl Visibility {
         if version != "1" && !version.starts_with("1.") {
             return Err(DecodeError::Version { found: version.to_owned() });
         }
-        let named = trees.iter().enumerate();
-        let named = named.flat_map(|(tree, json)| json.accessors().map(move |index| (tree, index)));
-        // Accessors that cannot be read are reported by the tree that needs them.
-        let (named, views): (Vec<usize>, Vec<AccessorView<'_>>) =
-            named.filter_map(|(tree, index)| Some((tree, source.accessor(index as usize)?))).unzip();
+        let (mut named, mut views) = (Vec::new(), Vec::new());
+        for (tree, json) in trees.iter().enumerate() {
+            json.accessors().for_each(|index| {
+                // Accessors that cannot be read are reported by the tree that needs them.
+                if let Some(view) = source.accessor(index as usize) {
+                    named.push(tree);
+                    views.push(view);
+                }
+            });
+        }
         if let Some(excess) = first_excess(views) {
             return Err(DecodeError::TablesTooLarge { tree: named[excess] });
         }
