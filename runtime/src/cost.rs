@@ -129,9 +129,10 @@ impl CostModel {
         if count == 0 {
             return 1.0;
         }
-        let mut errors = self.errors;
-        let (_, median, _) = errors[..count].select_nth_unstable_by(count / 2, f32::total_cmp);
-        f64::from(*median)
+        // Errors are not negative, so their bits are in the same order: whole numbers are sorted elsewhere, too.
+        let mut errors = self.errors.map(|error| u64::from(error.to_bits()));
+        errors[..count].sort_unstable();
+        f64::from(f32::from_bits(errors[count / 2] as u32))
     }
 
     /// Frames learnt from.

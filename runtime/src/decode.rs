@@ -80,11 +80,16 @@ impl Visibility {
         if version != "1" && !version.starts_with("1.") {
             return Err(DecodeError::Version { found: version.to_owned() });
         }
-        let named = trees.iter().enumerate();
-        let named = named.flat_map(|(tree, json)| json.accessors().map(move |index| (tree, index)));
-        // Accessors that cannot be read are reported by the tree that needs them.
-        let (named, views): (Vec<usize>, Vec<AccessorView<'_>>) =
-            named.filter_map(|(tree, index)| Some((tree, source.accessor(index as usize)?))).unzip();
+        let (mut named, mut views) = (Vec::new(), Vec::new());
+        for (tree, json) in trees.iter().enumerate() {
+            json.accessors().for_each(|index| {
+                // Accessors that cannot be read are reported by the tree that needs them.
+                if let Some(view) = source.accessor(index as usize) {
+                    named.push(tree);
+                    views.push(view);
+                }
+            });
+        }
         if let Some(excess) = first_excess(views) {
             return Err(DecodeError::TablesTooLarge { tree: named[excess] });
         }
@@ -169,15 +174,6 @@ fn read_tables(json: TreeJson, source: &dyn AccessorSource) -> Result<TreeTables
         (None, anchors) if !anchors.is_empty() => Placement::Anchors(anchors),
         _ => return Err(TreeError::Placement),
     };
-    let tables = &json.tables;
-    let reader = |table, accessor: Option<u32>| accessor.map(|index| Reader { source, table, index });
-    let node_sphere = reader("NODE_SPHERE", tables.node_sphere).map_or(Ok(Vec::new()), |r| r.spheres())?;
-    let has_nodes = !node_sphere.is_empty();
-    let node_table = |table, accessor: Option<u32>| match reader(table, accessor) {
-        Some(reader) => reader.integers(),
-        None if has_nodes => Err(TreeError::TableMissing { table }),
-        None => Ok(Vec::new()),
-    };
     let fingerprint = match json.fingerprint {
         Some(f) => Some(Fingerprint {
             triangles: f.triangles,
@@ -185,27 +181,36 @@ fn read_tables(json: TreeJson, source: &dyn AccessorSource) -> Result<TreeTables
         }),
         None => None,
     };
-    Ok(TreeTables {
+    let mut reader = Reader { source, error: None };
+    let tables = &json.tables;
+    let node_sphere = reader.floats("NODE_SPHERE", tables.node_sphere);
+    let has_nodes = !node_sphere.is_empty();
+    let mut node_table = |table, accessor: Option<u32>| {
+        if accessor.is_none() && has_nodes {
+            reader.fail(TreeError::TableMissing { table });
+        }
+        reader.integers(table, accessor)
+    };
+    let result = TreeTables {
         placement,
         directions: json.directions,
         object_count: json.object_count,
-        node_subtree: node_table("NODE_SUBTREE", tables.node_subtree)?,
-        node_first_object: node_table("NODE_FIRST_OBJECT", tables.node_first_object)?,
-        node_object_count: node_table("NODE_OBJECT_COUNT", tables.node_object_count)?,
+        node_subtree: node_table("NODE_SUBTREE", tables.node_subtree),
+        node_first_object: node_table("NODE_FIRST_OBJECT", tables.node_first_object),
+        node_object_count: node_table("NODE_OBJECT_COUNT", tables.node_object_count),
         node_sphere,
-        object_order: reader("OBJECT_ORDER", tables.object_order).map(|r| r.integers()).transpose()?,
+        object_order: reader.optional_integers("OBJECT_ORDER", tables.object_order),
         level_bits: json.level_bits,
-        level_row: match reader("LEVEL_ROW", tables.level_row) {
-            Some(reader) => reader.bytes()?,
-            None if has_nodes => return Err(TreeError::TableMissing { table: "LEVEL_ROW" }),
-            None => Vec::new(),
+        level_row: {
+            if tables.level_row.is_none() && has_nodes {
+                reader.fail(TreeError::TableMissing { table: "LEVEL_ROW" });
+            }
+            reader.bytes("LEVEL_ROW", tables.level_row)
         },
-        level_row_index: reader("LEVEL_ROW_INDEX", tables.level_row_index)
-            .map(|r| r.integers())
-            .transpose()?,
+        level_row_index: reader.optional_integers("LEVEL_ROW_INDEX", tables.level_row_index),
         importance_area: json.importance_area,
-        importance: reader("IMPORTANCE", tables.importance).map_or(Ok(Vec::new()), |r| r.bytes())?,
-        proxies: json.proxies.as_ref().map(|proxies| read_proxies(proxies, source)).transpose()?,
+        importance: reader.bytes("IMPORTANCE", tables.importance),
+        proxies: json.proxies.as_ref().map(|proxies| read_proxies(proxies, &mut reader)),
         nested: json
             .nested
             .iter()
@@ -213,85 +218,93 @@ fn read_tables(json: TreeJson, source: &dyn AccessorSource) -> Result<TreeTables
             .collect(),
         recommended_quality: json.recommended.map(|r| r.quality as f32),
         fingerprint,
-    })
+    };
+    reader.error.map_or(Ok(result), Err)
 }
 
-fn read_proxies(json: &ProxiesJson, source: &dyn AccessorSource) -> Result<ProxyTables, TreeError> {
+fn read_proxies(json: &ProxiesJson, reader: &mut Reader<'_>) -> ProxyTables {
     let tables = &json.tables;
-    let reader = |table, index| Reader { source, table, index };
-    Ok(ProxyTables {
+    ProxyTables {
         visible: json.visible,
-        sphere: reader("PROXY_SPHERE", tables.sphere).spheres()?,
-        subtree: reader("PROXY_SUBTREE", tables.subtree).integers()?,
-        first_object: reader("PROXY_FIRST_OBJECT", tables.first_object).integers()?,
-        object_count: reader("PROXY_OBJECT_COUNT", tables.object_count).integers()?,
-        object: tables.object.map(|index| reader("PROXY_OBJECT", index).integers()).transpose()?,
-        error: reader("PROXY_ERROR", tables.error).floats::<1>()?.into_iter().flatten().collect(),
-        deviation: tables
-            .deviation
-            .map(|index| reader("PROXY_DEVIATION", index).floats::<3>())
-            .transpose()?
-            .map(|rows| rows.into_iter().map(|[mean, rms, wrong]| Deviation { mean, rms, wrong }).collect()),
-        mesh: reader("PROXY_MESH", tables.mesh).integers()?,
-        origin: reader("PROXY_ORIGIN", tables.origin).floats::<3>()?,
-    })
+        sphere: reader.floats("PROXY_SPHERE", Some(tables.sphere)),
+        subtree: reader.integers("PROXY_SUBTREE", Some(tables.subtree)),
+        first_object: reader.integers("PROXY_FIRST_OBJECT", Some(tables.first_object)),
+        object_count: reader.integers("PROXY_OBJECT_COUNT", Some(tables.object_count)),
+        object: reader.optional_integers("PROXY_OBJECT", tables.object),
+        error: reader.floats::<1>("PROXY_ERROR", Some(tables.error)).into_iter().flatten().collect(),
+        deviation: tables.deviation.map(|index| {
+            let rows = reader.floats("PROXY_DEVIATION", Some(index));
+            rows.into_iter().map(|[mean, rms, wrong]| Deviation { mean, rms, wrong }).collect()
+        }),
+        mesh: reader.integers("PROXY_MESH", Some(tables.mesh)),
+        origin: reader.floats("PROXY_ORIGIN", Some(tables.origin)),
+    }
 }
 
-/// Reads one table; allocates only what the accessor's bytes hold.
+/// Reads tables; allocates only what the accessors' bytes hold. What cannot be read comes out empty, and the first error is
+/// kept: leaving at each of them would cost 3 kB of WebAssembly, for all that is then to be freed.
 struct Reader<'a> {
     source: &'a dyn AccessorSource,
-    table: &'static str,
-    index: u32,
+    error: Option<TreeError>,
 }
 
-impl Reader<'_> {
-    fn view(&self, components: u32) -> Result<(AccessorView<'_>, usize), TreeError> {
-        let view = self
-            .source
-            .accessor(self.index as usize)
-            .ok_or(TreeError::Accessor { table: self.table, accessor: self.index })?;
-        let size: usize = match view.component_type {
-            5121 => 1,
-            5123 => 2,
-            5125 | 5126 => 4,
-            _ => return Err(self.wrong_type()),
+const UNSIGNED_BYTE: u32 = 5121;
+const UNSIGNED_SHORT: u32 = 5123;
+const UNSIGNED_INT: u32 = 5125;
+const FLOAT: u32 = 5126;
+
+impl<'a> Reader<'a> {
+    fn fail(&mut self, error: TreeError) {
+        self.error.get_or_insert(error);
+    }
+
+    /// The bytes of a table whose elements are of these types, and how many bytes one number has. No bytes if there is no
+    /// accessor.
+    fn view(
+        &mut self,
+        table: &'static str,
+        accessor: Option<u32>,
+        types: &[u32],
+        components: u32,
+    ) -> (&'a [u8], usize) {
+        const NOTHING: (&[u8], usize) = (&[], 1);
+        let Some(accessor) = accessor else { return NOTHING };
+        let Some(view) = self.source.accessor(accessor as usize) else {
+            self.fail(TreeError::Accessor { table, accessor });
+            return NOTHING;
+        };
+        let size = match view.component_type {
+            UNSIGNED_BYTE => 1,
+            UNSIGNED_SHORT => 2,
+            _ => 4,
         };
         let length = view.count.checked_mul(size * components as usize);
-        if view.components != components || length != Some(view.bytes.len()) {
-            return Err(self.wrong_type());
+        let fits = view.components == components && length == Some(view.bytes.len());
+        if fits && types.contains(&view.component_type) {
+            return (view.bytes, size);
         }
-        Ok((view, size))
+        self.fail(TreeError::AccessorType { table, accessor });
+        NOTHING
     }
 
-    fn wrong_type(&self) -> TreeError {
-        TreeError::AccessorType { table: self.table, accessor: self.index }
+    fn floats<const N: usize>(&mut self, table: &'static str, accessor: Option<u32>) -> Vec<[f32; N]> {
+        let (bytes, _) = self.view(table, accessor, &[FLOAT], N as u32);
+        let (floats, _) = bytes.as_chunks::<4>();
+        let element = |e: &[[u8; 4]; N]| e.map(f32::from_le_bytes);
+        floats.as_chunks::<N>().0.iter().map(element).collect()
     }
 
-    fn spheres(&self) -> Result<Vec<[f32; 4]>, TreeError> {
-        self.floats::<4>()
-    }
-
-    fn floats<const N: usize>(&self) -> Result<Vec<[f32; N]>, TreeError> {
-        let (view, _) = self.view(N as u32)?;
-        if view.component_type != 5126 {
-            return Err(self.wrong_type());
-        }
-        let float = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
-        let element = |b: &[u8]| std::array::from_fn(|k| float(&b[4 * k..]));
-        Ok(view.bytes.chunks_exact(4 * N).map(element).collect())
-    }
-
-    fn integers(&self) -> Result<Vec<u32>, TreeError> {
-        let (view, size) = self.view(1)?;
-        if view.component_type == 5126 {
-            return Err(self.wrong_type());
-        }
+    fn integers(&mut self, table: &'static str, accessor: Option<u32>) -> Vec<u32> {
+        let (bytes, size) = self.view(table, accessor, &[UNSIGNED_BYTE, UNSIGNED_SHORT, UNSIGNED_INT], 1);
         let value = |b: &[u8]| b.iter().rev().fold(0_u32, |value, &byte| value << 8 | u32::from(byte));
-        Ok(view.bytes.chunks_exact(size).map(value).collect())
+        bytes.chunks_exact(size).map(value).collect()
     }
 
-    fn bytes(&self) -> Result<Vec<u8>, TreeError> {
-        let (view, _) = self.view(1)?;
-        if view.component_type == 5121 { Ok(view.bytes.to_vec()) } else { Err(self.wrong_type()) }
+    fn optional_integers(&mut self, table: &'static str, accessor: Option<u32>) -> Option<Vec<u32>> {
+        accessor.map(|_| self.integers(table, accessor))
+    }
+
+    fn bytes(&mut self, table: &'static str, accessor: Option<u32>) -> Vec<u8> {
+        self.view(table, accessor, &[UNSIGNED_BYTE], 1).0.to_vec()
     }
 }

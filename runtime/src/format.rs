@@ -135,9 +135,17 @@ impl TreeJson {
 impl Tables {
     /// The accessors of all tables there are.
     pub fn accessors(&self) -> impl Iterator<Item = u32> + '_ {
-        let nodes = [self.node_sphere, self.node_subtree, self.node_first_object, self.node_object_count];
-        let objects = [self.object_order, self.level_row, self.level_row_index, self.importance];
-        nodes.into_iter().chain(objects).flatten()
+        let all = [
+            self.node_sphere,
+            self.node_subtree,
+            self.node_first_object,
+            self.node_object_count,
+            self.object_order,
+            self.level_row,
+            self.level_row_index,
+            self.importance,
+        ];
+        all.into_iter().flatten()
     }
 }
 

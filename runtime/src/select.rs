@@ -16,10 +16,10 @@ use std::cmp::Ordering;
 /// One object to choose or not.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Item {
-    /// Value per weight.
-    worth: f32,
+    /// What items are taken by, the lowest first: the bits of the value per weight, then the triangles, all inverted. So of
+    /// equally worthy items the largest comes first, for small ones fill gaps.
+    rank: u64,
     value: f32,
-    triangles: u32,
     /// Place in the list of candidates.
     index: u32,
     /// It was drawn in the last frame.
@@ -49,6 +49,17 @@ const ROUNDS: usize = 12;
 const GREEDY: u8 = 1;
 const FORCED: u8 = 2;
 
+impl Item {
+    /// Value per weight.
+    fn worth(&self) -> f32 {
+        f32::from_bits((!self.rank >> 32) as u32)
+    }
+
+    fn triangles(&self) -> u32 {
+        !self.rank as u32
+    }
+}
+
 impl Selector {
     /// Forgets all candidates. `steady`: what was drawn in the last frame is to stay.
     pub(crate) fn clear(&mut self, steady: bool) {
@@ -64,7 +75,9 @@ impl Selector {
         let worth =
             if weight > 0.0 { (value / weight).min(f64::from(f32::MAX)) as f32 } else { f32::INFINITY };
         let index = self.items.len() as u32;
-        self.items.push(Item { worth, value: value as f32, triangles, index, again });
+        // The bits of numbers that are not negative are in the numbers' order.
+        let rank = !(u64::from(worth.to_bits()) << 32 | u64::from(triangles));
+        self.items.push(Item { rank, value: value as f32, index, again });
     }
 
     /// Chooses among the candidates.
@@ -90,7 +103,7 @@ impl Selector {
             return;
         }
         let left_out = |item: &&Item| self.taken[item.index as usize] == 0;
-        let fits_alone = |item: &&Item| capacity.fits(spent.plus(item.triangles));
+        let fits_alone = |item: &&Item| capacity.fits(spent.plus(item.triangles()));
         let Some(first) = self
             .items
             .iter()
@@ -106,7 +119,7 @@ impl Selector {
         let taken = &mut self.taken;
         taken[first.index as usize] |= FORCED;
         let take = |item: &Item| taken[item.index as usize] |= FORCED;
-        let load = spent.plus(first.triangles);
+        let load = spent.plus(first.triangles());
         let forced = fill(&mut self.items[1..], capacity, load, Some(self.reserve), take);
         if f64::from(first.value) + forced.value > greedy.value {
             self.winner = FORCED;
@@ -155,7 +168,7 @@ fn fill(
     let (taken, rest) = items.split_at_mut(end);
     let mut value: f64 = taken.iter().map(|item| f64::from(item.value)).sum();
     taken.iter().for_each(&mut take);
-    let bound = value + rest.first().map_or(0.0, |misfit| f64::from(misfit.worth) * capacity.left(spent));
+    let bound = value + rest.first().map_or(0.0, |misfit| f64::from(misfit.worth()) * capacity.left(spent));
     if let Some(reserve) = reserve {
         let again = keep(rest, |item| item.again);
         let (again, newcomers) = rest.split_at_mut(again);
@@ -175,7 +188,7 @@ fn fill_up(
 ) -> f64 {
     let mut value = 0.0;
     for _ in 0..ROUNDS {
-        let kept = keep(items, |item| capacity.fits(spent.plus(item.triangles)));
+        let kept = keep(items, |item| capacity.fits(spent.plus(item.triangles())));
         let end = prefix(&mut items[..kept], capacity, spent);
         let (taken, rest) = items[..kept].split_at_mut(end);
         value += taken.iter().map(|item| f64::from(item.value)).sum::<f64>();
@@ -188,7 +201,7 @@ fn fill_up(
     // Rare: sizes so mixed that each run is short.
     items.sort_unstable_by(by_worth);
     for item in items.iter() {
-        let with = spent.plus(item.triangles);
+        let with = spent.plus(item.triangles());
         if capacity.fits(with) {
             *spent = with;
             value += f64::from(item.value);
@@ -229,14 +242,13 @@ fn keep(items: &mut [Item], passes: impl Fn(&Item) -> bool) -> usize {
 
 /// `before` and all the items.
 fn load(items: &[Item], before: Load) -> Load {
-    let triangles: u64 = items.iter().map(|item| u64::from(item.triangles)).sum();
+    let triangles: u64 = items.iter().map(|item| u64::from(item.triangles())).sum();
     Load { triangles: before.triangles + triangles, draws: before.draws + items.len() as u64 }
 }
 
-/// The worthiest first; of equal ones the largest, for small ones fill gaps.
+/// The worthiest first.
 fn by_worth(a: &Item, b: &Item) -> Ordering {
-    let worth = b.worth.total_cmp(&a.worth);
-    worth.then(b.triangles.cmp(&a.triangles)).then(a.index.cmp(&b.index))
+    (a.rank, a.index).cmp(&(b.rank, b.index))
 }
 
 #[cfg(test)]

@@ -11,7 +11,6 @@ use crate::proxies::{Proxies, ProxyTables};
 use crate::sorting::{repeated, sorted};
 use crate::tree::{Fingerprint, Nested, Node, ObjectRow, Placement, Tree};
 use glam::Vec3;
-use std::collections::BTreeMap;
 
 /// The tables of one tree, unchecked. A baker can turn its result into a [`Tree`] without writing a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,8 +85,8 @@ impl Tree {
         };
         let proxies = tables.proxies.map(|proxies| Proxies::new(proxies, tables.object_count)).transpose()?;
         let nested = sorted_nested(tables.nested, tables.object_count)?;
-        let mut nested_counts = BTreeMap::new();
-        nested.iter().for_each(|n| *nested_counts.entry(n.tree).or_insert(0) += 1);
+        let guests = sorted(nested.iter().map(|n| u64::from(n.tree)));
+        let nested_counts = guests.chunk_by(|a, b| a == b).map(|same| (same[0] as u32, same.len())).collect();
         Ok(Self {
             placement: tables.placement,
             directions,

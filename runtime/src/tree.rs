@@ -5,7 +5,6 @@ use crate::encode;
 use crate::proxies::Proxies;
 use crate::sorting::sorted;
 use glam::Vec3;
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// One visibility tree, checked. Everything is in **tree space**: world space, or the local space of its anchors.
@@ -25,8 +24,8 @@ pub struct Tree {
     pub(crate) areas: Vec<f64>,
     pub(crate) proxies: Option<Proxies>,
     pub(crate) nested: Vec<Nested>,
-    /// Entries of `nested` per other tree.
-    pub(crate) nested_counts: BTreeMap<u32, usize>,
+    /// Other trees, ascending, and how many entries of `nested` each has.
+    pub(crate) nested_counts: Vec<(u32, usize)>,
     pub(crate) recommended_quality: Option<f32>,
     pub(crate) fingerprint: Option<Fingerprint>,
 }
@@ -233,7 +232,8 @@ impl Tree {
 impl Tree {
     /// Anchor of the other tree that `nested` stands for below this tree's anchor `anchor`.
     pub fn nested_anchor(&self, nested: &Nested, anchor: usize) -> usize {
-        let per_anchor = self.nested_counts.get(&nested.tree).copied().unwrap_or(0);
+        let found = self.nested_counts.binary_search_by_key(&nested.tree, |&(tree, _)| tree);
+        let per_anchor = found.map_or(0, |at| self.nested_counts[at].1);
         (nested.anchor as usize).saturating_add(anchor.saturating_mul(per_anchor))
     }
 }

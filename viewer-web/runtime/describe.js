@@ -337,3 +337,15 @@ export function indices(values, name) {
     if (!values.every(isIndex)) throw new Error(`${name}: not an index`);
     return Uint32Array.from(values);
 }
+
+/**
+ * The `deviation` of one of `meshLevels`: NaN where there is none, -1 where it is not what it must be, which the module refuses.
+ * @param {Json} level
+ * @returns {number[]}
+ */
+export function deviationOf(level) {
+    const { deviation } = level;
+    if (deviation === undefined || deviation === null) return [NaN, NaN, NaN];
+    const isRight = Array.isArray(deviation) && deviation.length === 3;
+    return [0, 1, 2].map((at) => (isRight && typeof deviation[at] === 'number' ? deviation[at] : -1));
+}

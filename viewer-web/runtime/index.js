@@ -2,7 +2,7 @@
 
 import init, { SceneBuilder } from './wasm/svs_runtime_wasm.js';
 import {
-    accessorsOf, extensionOf, indices, measureMeshes, readAccessor, sceneOf, treeNumbers, walk,
+    accessorsOf, deviationOf, extensionOf, indices, measureMeshes, readAccessor, sceneOf, treeNumbers, walk,
 } from './describe.js';
 
 /**
@@ -153,8 +153,7 @@ export class VisibilityScene {
         for (const entry of extension.meshLevels ?? []) {
             const meshes = indices(entry.levels.map((/** @type {Json} */ level) => level.mesh), 'meshLevels');
             const errors = entry.levels.flatMap((/** @type {Json} */ level) => {
-                const deviation = level.deviation ?? [-1, -1, -1];
-                return [0, 1, 2, 3].map((k) => Number(k === 0 ? level.error : deviation[k - 1]));
+                return [Number(level.error), ...deviationOf(level)];
             });
             builder.meshLevels(entry.mesh, meshes, Float64Array.from(errors));
         }

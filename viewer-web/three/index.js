@@ -66,7 +66,10 @@ export class SphericalVisibilityPlugin {
     /** Figures of the last frame. @type {Statistics} */
     statistics = NOTHING;
 
-    /** Look for objects that were hidden or moved in each frame. Without it, call `refresh()` after doing so. */
+    /**
+     * Look for objects that were hidden or moved: in each frame at all that is drawn or hidden and everything above it, at the rest
+     * in turn. Without it, or where the rest must not wait, call `refresh()` after a change.
+     */
     watching = true;
 
     #parser;
@@ -80,6 +83,10 @@ export class SphericalVisibilityPlugin {
     #watch = null;
     /** The loaded primitives of each object. @type {Mesh[][]} */
     #meshes = [];
+    /** Their places in `#watch`. @type {number[][]} */
+    #places = [];
+    /** Layers of the camera that was last looked for. */
+    #cameraLayers = 0;
     /** Of these, those that no batch draws. @type {ObjectLayers[][]} */
     #singles = [];
     /** What is drawn, and by which frame it was last. */
@@ -169,7 +176,9 @@ export class SphericalVisibilityPlugin {
         }
 
         this.#batches = new Batches(this.#route, parts, objects.length + extras.length, root.matrixWorld.clone().invert());
-        this.#watch = new Watch(root, (node) => associations.get(node)?.nodes);
+        const watch = new Watch(root, (node) => associations.get(node)?.nodes);
+        this.#watch = watch;
+        this.#places = meshes.map((primitives) => primitives.map((mesh) => watch.placeOf(mesh)));
         // After the watch has seen the graph, of which the batches are no part.
         root.add(this.#batches.group);
         for (const mesh of new Set(meshes.flat())) mesh.layers = new ObjectLayers(this.#route, mesh.layers);
@@ -294,11 +303,11 @@ export class SphericalVisibilityPlugin {
     update(camera, renderer) {
         if (this.#root === null) return;
         camera.updateWorldMatrix(true, false);
-        this.#root.updateWorldMatrix(true, this.watching || this.#needsLook);
-        this.#cull(camera, renderer);
+        this.#root.updateWorldMatrix(true, false);
+        this.#cull(camera, renderer, true);
     }
 
-    /** Looks once for objects that were hidden or moved, where `watching` is off. */
+    /** Looks once, in the next frame, at all objects for what was hidden or moved. */
     refresh() {
         this.#needsLook = true;
     }
@@ -315,8 +324,9 @@ export class SphericalVisibilityPlugin {
     /**
      * @param {Camera} camera
      * @param {WebGLRenderer | undefined} renderer
+     * @param {boolean} [composes] The matrices of nodes may be older than their positions: three.js updates them when it draws.
      */
-    #cull(camera, renderer) {
+    #cull(camera, renderer, composes = false) {
         const [visibility, root, batches] = [this.visibility, this.#root, this.#batches];
         const isPerspective = 'isPerspectiveCamera' in camera && !('isArrayCamera' in camera);
         if (visibility === null || root === null || batches === null || !this.#enabled || !isPerspective) {
@@ -329,7 +339,7 @@ export class SphericalVisibilityPlugin {
             this.#lastFrame = start;
         }
         this.#route.active = camera.layers;
-        if (this.watching || this.#needsLook) this.#look(camera);
+        if (this.#needsLook || (this.watching && this.#seesChange(camera, composes))) this.#look(camera, composes);
         this.#follow(root.matrixWorld.elements);
         const { elements } = this.#viewProjection.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
         this.#eye.setFromMatrixPosition(camera.matrixWorld);
@@ -400,26 +410,45 @@ export class SphericalVisibilityPlugin {
     }
 
     /**
+     * Something was hidden or moved. What is drawn comes first, for that must be right in this frame.
+     * @param {Camera} camera
+     * @param {boolean} composes
+     */
+    #seesChange(camera, composes) {
+        const watch = /** @type {Watch} */ (this.#watch);
+        if (camera.layers.mask !== this.#cameraLayers) return true;
+        watch.begin();
+        for (let at = 0; at < this.#drawnCount; at++) {
+            const places = this.#places[this.#drawn[at]];
+            if (places === undefined) continue;
+            for (const place of places) if (watch.hasChanged(place, composes)) return true;
+        }
+        return watch.hasChangedElsewhere(composes);
+    }
+
+    /**
      * What the application has hidden or moved.
      * @param {Camera} camera
+     * @param {boolean} composes
      */
-    #look(camera) {
+    #look(camera, composes) {
         const [visibility, watch, root] = [this.visibility, this.#watch, this.#root];
         if (visibility === null || watch === null || root === null) return;
+        if (composes) root.updateWorldMatrix(false, true);
         let moved = false;
-        const changed = watch.look((node, matrix) => {
+        watch.look((node, matrix) => {
             visibility.setNodeMatrix(node, matrix.elements);
             moved = true;
         });
-        if (!changed && !this.#needsLook) return;
         this.#needsLook = false;
+        this.#cameraLayers = camera.layers.mask;
         if (moved) {
             this.#release(visibility.states);
             this.#batches?.follow(this.#viewProjection.copy(root.matrixWorld).invert());
         }
         this.#meshes.forEach((primitives, object) => {
-            const isSeen = (/** @type {Mesh} */ mesh) =>
-                watch.isVisible(mesh) && /** @type {ObjectLayers} */ (mesh.layers).matches(camera.layers);
+            const isSeen = (/** @type {Mesh} */ mesh, /** @type {number} */ at) =>
+                watch.isVisible(this.#places[object][at]) && /** @type {ObjectLayers} */ (mesh.layers).matches(camera.layers);
             const hidden = primitives.every(isSeen) ? 0 : 1;
             if (hidden !== this.#hidden[object]) {
                 this.#hidden[object] = hidden;

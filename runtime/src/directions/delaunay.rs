@@ -4,7 +4,6 @@
 //! the tetrahedron does not keep this, and greedy walks need it to end at the true nearest direction.
 
 use glam::DVec3;
-use std::collections::VecDeque;
 
 /// Points nearer than this to a triangle's plane count as cocircular: their edge stays as it is.
 const COCIRCULAR: f64 = 1e-12;
@@ -45,9 +44,11 @@ impl EdgeMap {
 /// Flips edges until no vertex lies above the plane of a neighbouring triangle.
 pub(crate) fn make_delaunay(vertices: &[DVec3], triangles: &mut [[u16; 3]]) {
     let mut edges = EdgeMap::new(triangles);
-    let mut queue: VecDeque<(u16, u16)> =
+    let mut queue: Vec<(u16, u16)> =
         triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).filter(|(a, b)| a < b).collect();
-    while let Some((a, b)) = queue.pop_front() {
+    let mut next = 0;
+    while let Some(&(a, b)) = queue.get(next) {
+        next += 1;
         let (Some(left), Some(right)) = (edges.get((a, b)), edges.get((b, a))) else { continue };
         let c = opposite(triangles[left as usize], a, b);
         let d = opposite(triangles[right as usize], b, a);

@@ -62,7 +62,7 @@ pub struct MeshLevelsTable {
     pub mesh: u32,
     /// Simplified meshes.
     pub meshes: Vec<u32>,
-    /// Of each its error and the three numbers of its `deviation`, in units of mesh space; the latter negative if absent.
+    /// Of each its error and the three numbers of its `deviation`, in units of mesh space; the latter NaN if absent.
     pub errors: Vec<f64>,
 }
 
@@ -78,20 +78,13 @@ impl AccessorSource for Bake {
 impl Bake {
     /// The trees, with their proxies or without.
     pub(crate) fn decode(&self, proxies: bool) -> Result<Visibility, SceneError> {
-        let trees: Result<Vec<TreeJson>, SceneError> =
-            self.trees.iter().enumerate().map(|(index, tree)| tree.json(index, proxies)).collect();
-        let levels = self.mesh_levels.iter().filter(|_| proxies).map(|entry| MeshLevelsJson {
-            mesh: entry.mesh,
-            levels: (entry.meshes.iter().zip(entry.errors.as_chunks().0))
-                .map(|(&mesh, &[error, mean, rms, wrong])| MeshLevelJson {
-                    mesh,
-                    error,
-                    deviation: (mean >= 0.0).then_some([mean, rms, wrong]),
-                })
-                .collect(),
-        });
-        let levels: Vec<MeshLevelsJson> = levels.collect();
-        Ok(Visibility::from_parsed(&self.version, trees?, &levels, self)?)
+        let mut trees = Vec::with_capacity(self.trees.len());
+        for (index, tree) in self.trees.iter().enumerate() {
+            trees.push(tree.json(index, proxies)?);
+        }
+        let levels: &[MeshLevelsTable] = if proxies { &self.mesh_levels } else { &[] };
+        let levels: Vec<MeshLevelsJson> = levels.iter().map(MeshLevelsTable::json).collect();
+        Ok(Visibility::from_parsed(&self.version, trees, &levels, self)?)
     }
 
     /// There is something to draw in place of objects.
@@ -100,10 +93,63 @@ impl Bake {
     }
 }
 
+impl MeshLevelsTable {
+    fn json(&self) -> MeshLevelsJson {
+        let levels = self.meshes.iter().zip(self.errors.as_chunks().0);
+        let level = |(&mesh, &[error, mean, rms, wrong]): (&u32, &[f64; 4])| MeshLevelJson {
+            mesh,
+            error,
+            deviation: (!mean.is_nan()).then_some([mean, rms, wrong]),
+        };
+        MeshLevelsJson { mesh: self.mesh, levels: levels.map(level).collect() }
+    }
+}
+
 /// Places in [`TreeNumbers::numbers`].
 const TABLES: usize = 6;
 const PROXIES: usize = 14;
 const END: usize = 24;
+
+/// Reads numbers. The first one that is not what it must be is kept, and 0 stands for it.
+struct Numbers<'a> {
+    numbers: &'a [f64],
+    wrong: Option<&'static str>,
+}
+
+impl Numbers<'_> {
+    fn number(&self, place: usize) -> f64 {
+        self.numbers.get(place).copied().unwrap_or(-1.0)
+    }
+
+    fn optional(&mut self, place: usize, property: &'static str) -> Option<u32> {
+        let number = self.number(place);
+        if number == -1.0 {
+            return None;
+        }
+        if number != f64::from(number as u32) {
+            self.wrong.get_or_insert(property);
+        }
+        Some(number as u32)
+    }
+
+    fn required(&mut self, place: usize, property: &'static str) -> u32 {
+        self.optional(place, property).unwrap_or_else(|| {
+            self.wrong.get_or_insert(property);
+            0
+        })
+    }
+
+    /// An accessor, counted from the first of the tables.
+    fn table(&mut self, place: usize) -> Option<u32> {
+        self.optional(TABLES + place, "tables")
+    }
+
+    fn proxy_table(&mut self, place: usize) -> u32 {
+        self.required(PROXIES + place, PROXY_TABLES)
+    }
+}
+
+const PROXY_TABLES: &str = "proxies/tables";
 
 impl TreeNumbers {
     fn has_proxies(&self) -> bool {
@@ -111,64 +157,48 @@ impl TreeNumbers {
     }
 
     fn json(&self, tree: usize, proxies: bool) -> Result<TreeJson, SceneError> {
-        let expected = "a number, or absent where that is allowed";
-        let wrong = |property| SceneError::Number { tree, property, expected };
-        let number = |place: usize| self.numbers.get(place).copied().unwrap_or(-1.0);
-        let optional = |place: usize, property: &'static str| -> Result<Option<u32>, SceneError> {
-            let number = number(place);
-            match number {
-                -1.0 => Ok(None),
-                _ if number == f64::from(number as u32) => Ok(Some(number as u32)),
-                _ => Err(wrong(property)),
-            }
-        };
-        let required = |place, property| optional(place, property)?.ok_or(wrong(property));
-        let table = |place| optional(place, "tables");
-        let proxy_table = |place| required(place, "proxies/tables");
-        let importance_area = number(3);
-        let proxies = if proxies && self.has_proxies() {
-            Some(ProxiesJson {
-                visible: required(PROXIES, "proxies/visible")? == 1,
-                tables: ProxyTables {
-                    sphere: proxy_table(PROXIES + 1)?,
-                    subtree: proxy_table(PROXIES + 2)?,
-                    first_object: proxy_table(PROXIES + 3)?,
-                    object_count: proxy_table(PROXIES + 4)?,
-                    object: optional(PROXIES + 5, "proxies/tables")?,
-                    error: proxy_table(PROXIES + 6)?,
-                    mesh: proxy_table(PROXIES + 7)?,
-                    origin: proxy_table(PROXIES + 8)?,
-                    deviation: optional(PROXIES + 9, "proxies/tables")?,
-                },
-            })
-        } else {
-            None
-        };
-        let triangles = number(5);
-        Ok(TreeJson {
-            scene: optional(0, "scene")?,
+        let mut numbers = Numbers { numbers: &self.numbers, wrong: None };
+        let proxies = (proxies && self.has_proxies()).then(|| ProxiesJson {
+            visible: numbers.required(PROXIES, "proxies/visible") == 1,
+            tables: ProxyTables {
+                sphere: numbers.proxy_table(1),
+                subtree: numbers.proxy_table(2),
+                first_object: numbers.proxy_table(3),
+                object_count: numbers.proxy_table(4),
+                object: numbers.optional(PROXIES + 5, PROXY_TABLES),
+                error: numbers.proxy_table(6),
+                mesh: numbers.proxy_table(7),
+                origin: numbers.proxy_table(8),
+                deviation: numbers.optional(PROXIES + 9, PROXY_TABLES),
+            },
+        });
+        let (importance_area, quality, triangles) = (numbers.number(3), numbers.number(4), numbers.number(5));
+        let json = TreeJson {
+            scene: numbers.optional(0, "scene"),
             anchors: self.anchors.clone(),
             directions: self.directions.clone(),
-            object_count: required(1, "objectCount")?,
-            level_bits: u8::try_from(required(2, "levelBits")?).unwrap_or(0),
+            object_count: numbers.required(1, "objectCount"),
+            level_bits: u8::try_from(numbers.required(2, "levelBits")).unwrap_or(0),
             importance_area: if importance_area.is_finite() { importance_area } else { -1.0 },
             tables: Tables {
-                node_sphere: table(TABLES)?,
-                node_subtree: table(TABLES + 1)?,
-                node_first_object: table(TABLES + 2)?,
-                node_object_count: table(TABLES + 3)?,
-                object_order: table(TABLES + 4)?,
-                level_row: table(TABLES + 5)?,
-                level_row_index: table(TABLES + 6)?,
-                importance: table(TABLES + 7)?,
+                node_sphere: numbers.table(0),
+                node_subtree: numbers.table(1),
+                node_first_object: numbers.table(2),
+                node_object_count: numbers.table(3),
+                object_order: numbers.table(4),
+                level_row: numbers.table(5),
+                level_row_index: numbers.table(6),
+                importance: numbers.table(7),
             },
             proxies,
             nested: (self.nested.chunks_exact(3))
                 .map(|n| NestedJson { object: n[0], tree: n[1], anchor: n[2] })
                 .collect(),
-            recommended: (number(4) >= 0.0).then(|| RecommendedJson { quality: number(4) }),
+            recommended: (quality >= 0.0).then_some(RecommendedJson { quality }),
             fingerprint: (!self.hash.is_empty())
                 .then(|| FingerprintJson { triangles: triangles as u64, hash: self.hash.clone() }),
-        })
+        };
+        let expected = "a number, or absent where that is allowed";
+        numbers.wrong.map_or(Ok(json), |property| Err(SceneError::Number { tree, property, expected }))
     }
 }

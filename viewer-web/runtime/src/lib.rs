@@ -22,3 +22,8 @@ pub use describe::Description;
 pub use error::SceneError;
 pub use extras::Extra;
 pub use scene::Scene;
+
+/// Tables are allocated when a file is opened, and nothing per frame: a small allocator is as good as the standard library's.
+#[cfg(target_arch = "wasm32")]
+#[global_allocator]
+static ALLOCATOR: rlsf::SmallGlobalTlsf = rlsf::SmallGlobalTlsf::new();

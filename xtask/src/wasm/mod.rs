@@ -20,16 +20,19 @@ struct Module {
     folder: &'static str,
     /// Largest size in bytes after brotli, which all browsers with WebAssembly read.
     limit: u64,
+    /// Built with a small standard library where that can be done, see [`StandardLibrary::apply_small`]; where it cannot, this
+    /// is the limit.
+    small: Option<u64>,
 }
 
-/// The runtime was meant to fit 60 kB and does not, see the changelog: its limit is a guard against growth.
 const MODULES: &[Module] = &[
     Module {
         package: "svs-runtime-wasm",
         feature: None,
         opt_level: "2",
         folder: "viewer-web/runtime/wasm",
-        limit: 100_000,
+        limit: 60_000,
+        small: Some(72_000),
     },
     Module {
         package: "svs-viewer-web",
@@ -37,6 +40,7 @@ const MODULES: &[Module] = &[
         opt_level: "s",
         folder: "viewer-web/dist/webgpu",
         limit: 1_000_000,
+        small: None,
     },
     Module {
         package: "svs-viewer-web",
@@ -44,6 +48,7 @@ const MODULES: &[Module] = &[
         opt_level: "s",
         folder: "viewer-web/dist/webgl",
         limit: 1_000_000,
+        small: None,
     },
 ];
 
@@ -103,22 +108,26 @@ pub(crate) fn wasm(options: &Options) -> Result<(), String> {
     let library = StandardLibrary::find(options.debian)?;
     let (mut rows, mut too_large) = (Vec::new(), Vec::new());
     for module in modules {
-        let sizes = build(module, &library)?;
+        let small = module.small.is_some() && library.can_be_small();
+        let limit = module.small.filter(|_| !small).unwrap_or(module.limit);
+        let sizes = build(module, &library, small)?;
         let bytes = |size: u64| table::count(size as f64);
         rows.push(vec![
             module.name(),
+            if small { "small" } else { "as delivered" }.to_owned(),
             bytes(sizes.raw),
             bytes(sizes.gzip),
             bytes(sizes.brotli),
             bytes(sizes.bindings_gzip),
-            bytes(module.limit),
+            bytes(limit),
         ]);
-        if sizes.brotli > module.limit {
-            too_large.push(format!("{} by {} bytes", module.name(), sizes.brotli - module.limit));
+        if sizes.brotli > limit {
+            too_large.push(format!("{} by {} bytes", module.name(), sizes.brotli - limit));
         }
     }
     page()?;
-    let head = ["module", "bytes", "gzip -9", "brotli", "bindings, gzip -9", "limit of brotli"];
+    let head =
+        ["module", "standard library", "bytes", "gzip -9", "brotli", "bindings, gzip -9", "limit of brotli"];
     print!("{}", table::markdown(&head, &rows));
     if too_large.is_empty() { Ok(()) } else { Err(format!("too large: {}", too_large.join(", "))) }
 }
@@ -135,8 +144,8 @@ fn page() -> Result<(), String> {
     Ok(())
 }
 
-fn build(module: &Module, library: &StandardLibrary) -> Result<shrink::Sizes, String> {
-    let target = library.target_folder();
+fn build(module: &Module, library: &StandardLibrary, small: bool) -> Result<shrink::Sizes, String> {
+    let target = library.target_folder(small);
     let mut cargo = run::cargo();
     cargo
         .args(["build", "--profile", "wasm", "--lib", "--target", "wasm32-unknown-unknown"])
@@ -144,7 +153,11 @@ fn build(module: &Module, library: &StandardLibrary) -> Result<shrink::Sizes, St
         .args(module.feature.map(|feature| format!("--features={feature}")))
         .env("CARGO_PROFILE_WASM_OPT_LEVEL", module.opt_level)
         .env("CARGO_TARGET_DIR", &target);
-    library.apply(&mut cargo);
+    if small {
+        library.apply_small(&mut cargo)
+    } else {
+        library.apply(&mut cargo)
+    }
     run::step(&format!("build {}", module.name()), &mut cargo)?;
     let name = module.package.replace('-', "_");
     let built = target.join("wasm32-unknown-unknown/wasm").join(format!("{name}.wasm"));

@@ -38,7 +38,12 @@ pub(super) fn shrink(module: &Path, bindings: &Path) -> Result<Sizes, String> {
     let mut optimise = Command::new("node");
     optimise
         .arg(npm::folder().join("node_modules/binaryen/bin/wasm-opt"))
-        .args(["-Oz", "--converge", "--strip-debug", "--strip-producers", "--strip-target-features"])
+        .args(["-Oz", "--converge"])
+        // One function of all that is called once is smaller, but not when it is compressed.
+        .arg("--one-caller-inline-max-function-size=0")
+        // Rust puts the stack first, so that the lowest addresses are only used where it is about to overflow.
+        .arg("--low-memory-unused")
+        .args(["--strip-debug", "--strip-producers", "--strip-target-features"])
         .args(features.map(|feature| format!("--enable-{feature}")))
         .arg(module)
         .arg("-o")
