@@ -137,7 +137,8 @@ pub(crate) struct Proxies {
     /// Error of the finest proxies, in pixels of a screen of 1080 lines that the whole scene fills; coarser is smaller
     #[arg(long, value_name = "PX", default_value_t = svs::proxies::DEFAULT_ERROR_PIXELS, value_parser = positive)]
     pub(crate) proxy_error: f64,
-    /// How proxies are stored: quantized needs a loader that knows KHR_mesh_quantization
+    /// How proxies are stored: for every loader; for loaders that know KHR_mesh_quantization; or, smallest, for those
+    /// that know EXT_meshopt_compression too. Loaders that do not know what a file needs refuse all of it
     #[arg(long, value_enum, value_name = "FORMAT", default_value_t)]
     pub(crate) proxy_format: ProxyFormatName,
     /// Triangles that the smallest proxies stand for, about
@@ -342,6 +343,7 @@ pub(crate) enum ProxyFormatName {
     #[default]
     Float,
     Quantized,
+    Meshopt,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
