@@ -33,6 +33,18 @@ struct FileInfo {
     triangles: u64,
     /// Simplified versions of meshes, and their triangles.
     mesh_levels: [u64; 2],
+    lods: Lods,
+}
+
+/// `MSFT_lod` on nodes, of our own or of others.
+#[derive(Default)]
+struct Lods {
+    /// Nodes that have it.
+    nodes: u64,
+    /// Meshes that these show.
+    meshes: u64,
+    /// Versions that they name, in sum.
+    versions: u64,
 }
 
 struct TreeInfo {
@@ -78,6 +90,7 @@ impl FileInfo {
             objects: scene.objects.len() as u64,
             triangles: scene.objects.iter().map(|object| triangles_of(&scene, object.mesh)).sum(),
             mesh_levels: [0; 2],
+            lods: Lods::of(document),
         };
         let Some(extension) = document.json.get("extensions").and_then(|all| all.get(EXTENSION_NAME)) else {
             return Ok(info);
@@ -122,6 +135,11 @@ impl FileInfo {
             "geometry_bytes": self.geometry_bytes,
             "bytes": self.bytes(),
             "mesh_levels": { "count": self.mesh_levels[0], "triangles": self.mesh_levels[1] },
+            "msft_lod": {
+                "nodes": self.lods.nodes,
+                "meshes": self.lods.meshes,
+                "versions": self.lods.versions,
+            },
             "trees": self.trees.iter().map(TreeInfo::to_json).collect::<Vec<_>>(),
         })
     }
@@ -130,7 +148,7 @@ impl FileInfo {
         let path = path.display();
         let scene = format!("{}, {}", counted(self.objects, "object"), counted(self.triangles, "triangle"));
         if self.trees.is_empty() {
-            return format!("{path}: no baked visibility; {scene}\n");
+            return format!("{path}: no baked visibility; {scene}\n{}", self.lods.to_text());
         }
         let mut text = format!(
             "{path}: {}, {}, {} ({} of the geometry); {scene}\n",
@@ -145,10 +163,41 @@ impl FileInfo {
             let (levels, triangles) = (counted(levels, "simplified version"), counted(triangles, "triangle"));
             let _ = writeln!(text, "{levels} of meshes, {triangles}");
         }
+        text += &self.lods.to_text();
         for (index, tree) in self.trees.iter().enumerate() {
             let _ = write!(text, "\ntree {index}: {}", tree.to_text());
         }
         text
+    }
+}
+
+impl Lods {
+    fn of(document: &Document) -> Self {
+        let nodes = document.json.get("nodes").and_then(Value::as_array).into_iter().flatten();
+        let mut lods = Self::default();
+        let mut meshes = BTreeSet::new();
+        for node in nodes {
+            let Some(lod) = node.pointer("/extensions/MSFT_lod") else { continue };
+            lods.nodes += 1;
+            lods.versions += lod.get("ids").and_then(Value::as_array).map_or(0, |ids| ids.len() as u64);
+            meshes.extend(node.get("mesh").and_then(Value::as_u64));
+        }
+        lods.meshes = meshes.len() as u64;
+        lods
+    }
+
+    /// A line, if there are any.
+    fn to_text(&self) -> String {
+        if self.nodes == 0 {
+            return String::new();
+        }
+        let shown =
+            if self.meshes == 1 { "1 mesh".to_owned() } else { format!("{} meshes", count(self.meshes)) };
+        format!(
+            "MSFT_lod: {} with {shown}, {}\n",
+            counted(self.nodes, "node"),
+            counted(self.versions, "version")
+        )
     }
 }
 

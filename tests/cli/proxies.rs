@@ -220,6 +220,25 @@ fn simplified_meshes_are_named_for_other_loaders_and_stripped_again() {
     assert_eq!(nodes[carriers[0]]["extras"]["id"], "a");
     run(&["validate".as_ref(), one.as_os_str()]).ok();
 
+    // That of the file itself counts too.
+    let info = run(&["info".as_ref(), one.as_os_str(), "--json".as_ref()]).ok().json();
+    let versions = told["appended"].as_u64().expect("appended") + 1;
+    assert_eq!(
+        [&info["msft_lod"]["nodes"], &info["msft_lod"]["versions"]],
+        [all as u64 - 1, versions],
+        "{info}"
+    );
+    let shown: std::collections::BTreeSet<u64> =
+        lods(&baked).iter().filter_map(|&node| nodes[node]["mesh"].as_u64()).collect();
+    assert_eq!(info["msft_lod"]["meshes"], shown.len());
+    let text = run(&["info".as_ref(), one.as_os_str()]).ok().stdout;
+    assert!(text.contains(&format!("MSFT_lod: {} nodes with", all - 1)), "{text}");
+    let text = run(&["info".as_ref(), scene.as_os_str()]).ok().stdout;
+    assert!(
+        text.contains("no baked visibility") && text.contains("MSFT_lod: 1 node with 1 mesh, 1 version"),
+        "{text}"
+    );
+
     build(&one, &two, &[&options[..], &["-q", "--threads", "1"]].concat()).ok();
     assert!(
         fs::read(&two).expect("baked") == fs::read(&one).expect("baked"),
