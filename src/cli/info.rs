@@ -4,6 +4,7 @@ use super::args::{Common, Info};
 use super::error::Failure;
 use super::file;
 use super::level_share::{self, LevelShare, Node};
+use super::lods::Lods;
 use super::output::{self, bytes, count, counted, number, percent, ratio};
 use super::tree_weights::{tree_weights, triangles_of};
 use serde::Deserialize;
@@ -34,17 +35,6 @@ struct FileInfo {
     /// Simplified versions of meshes, and their triangles.
     mesh_levels: [u64; 2],
     lods: Lods,
-}
-
-/// `MSFT_lod` on nodes, of our own or of others.
-#[derive(Default)]
-struct Lods {
-    /// Nodes that have it.
-    nodes: u64,
-    /// Meshes that these show.
-    meshes: u64,
-    /// Versions that they name, in sum.
-    versions: u64,
 }
 
 struct TreeInfo {
@@ -135,11 +125,7 @@ impl FileInfo {
             "geometry_bytes": self.geometry_bytes,
             "bytes": self.bytes(),
             "mesh_levels": { "count": self.mesh_levels[0], "triangles": self.mesh_levels[1] },
-            "msft_lod": {
-                "nodes": self.lods.nodes,
-                "meshes": self.lods.meshes,
-                "versions": self.lods.versions,
-            },
+            "msft_lod": self.lods,
             "trees": self.trees.iter().map(TreeInfo::to_json).collect::<Vec<_>>(),
         })
     }
@@ -168,36 +154,6 @@ impl FileInfo {
             let _ = write!(text, "\ntree {index}: {}", tree.to_text());
         }
         text
-    }
-}
-
-impl Lods {
-    fn of(document: &Document) -> Self {
-        let nodes = document.json.get("nodes").and_then(Value::as_array).into_iter().flatten();
-        let mut lods = Self::default();
-        let mut meshes = BTreeSet::new();
-        for node in nodes {
-            let Some(lod) = node.pointer("/extensions/MSFT_lod") else { continue };
-            lods.nodes += 1;
-            lods.versions += lod.get("ids").and_then(Value::as_array).map_or(0, |ids| ids.len() as u64);
-            meshes.extend(node.get("mesh").and_then(Value::as_u64));
-        }
-        lods.meshes = meshes.len() as u64;
-        lods
-    }
-
-    /// A line, if there are any.
-    fn to_text(&self) -> String {
-        if self.nodes == 0 {
-            return String::new();
-        }
-        let shown =
-            if self.meshes == 1 { "1 mesh".to_owned() } else { format!("{} meshes", count(self.meshes)) };
-        format!(
-            "MSFT_lod: {} with {shown}, {}\n",
-            counted(self.nodes, "node"),
-            counted(self.versions, "version")
-        )
     }
 }
 
