@@ -139,8 +139,11 @@ fn decode_elements<const N: usize>(stream: &[u8], count: usize) -> meshopt::Resu
     Ok(elements.into_iter().flat_map(|element| element.0).collect())
 }
 
+/// Decodes so many elements of one size to words.
+type Decoder = fn(&[u8], usize) -> meshopt::Result<Vec<u32>>;
+
 /// By words of an element less one: the library takes the size of an element as a type.
-const DECODERS: [fn(&[u8], usize) -> meshopt::Result<Vec<u32>>; 64] = {
+const DECODERS: [Decoder; 64] = {
     macro_rules! decoders {
         ($($words:literal)*) => { [$(decode_elements::<$words>),*] };
     }
