@@ -137,8 +137,7 @@ pub(crate) struct Proxies {
     /// Error of the finest proxies, in pixels of a screen of 1080 lines that the whole scene fills; coarser is smaller
     #[arg(long, value_name = "PX", default_value_t = svs::proxies::DEFAULT_ERROR_PIXELS, value_parser = positive)]
     pub(crate) proxy_error: f64,
-    /// How proxies are stored: for every loader; for loaders that know KHR_mesh_quantization; or, smallest, for those
-    /// that know EXT_meshopt_compression too. Loaders that do not know what a file needs refuse all of it
+    /// How proxies are stored. Loaders that do not know the extensions that this needs refuse the whole file
     #[arg(long, value_enum, value_name = "FORMAT", default_value_t)]
     pub(crate) proxy_format: ProxyFormatName,
     /// Triangles that the smallest proxies stand for, about
@@ -340,9 +339,12 @@ pub(crate) enum ProxiesName {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ProxyFormatName {
+    /// For every loader
     #[default]
     Float,
+    /// Smaller; needs KHR_mesh_quantization
     Quantized,
+    /// Compressed, about a third of the bytes; needs EXT_meshopt_compression too, as files of gltfpack -c do
     Meshopt,
 }
 
