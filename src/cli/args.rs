@@ -140,7 +140,7 @@ pub(crate) struct Proxies {
     /// Bytes that proxies may add, in percent of the geometry's
     #[arg(long, value_name = "PERCENT", default_value_t = 100.0 * svs::proxies::DEFAULT_SHARE, value_parser = positive)]
     pub(crate) proxy_share: f64,
-    /// How proxies are stored: quantized needs a loader that knows KHR_mesh_quantization
+    /// How proxies are stored. Loaders that do not know the extensions that this needs refuse the whole file
     #[arg(long, value_enum, value_name = "FORMAT", default_value_t)]
     pub(crate) proxy_format: ProxyFormatName,
     /// Triangles that the smallest proxies stand for, about
@@ -342,9 +342,13 @@ pub(crate) enum ProxiesName {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ProxyFormatName {
+    /// For every loader
     #[default]
     Float,
+    /// Smaller; needs KHR_mesh_quantization
     Quantized,
+    /// Compressed, about a third of the bytes; needs EXT_meshopt_compression too, as files of gltfpack -c do
+    Meshopt,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -41,7 +41,7 @@ pub(super) fn walk(
 ) -> Result<Walk, SceneError> {
     let nodes = array(&doc.json, "nodes", "")?;
     let (scene, roots) = roots(&doc.json, scene, nodes, notes)?;
-    let bytes = doc.buffer_bytes();
+    let bytes = doc.described_bytes();
     let mut walker = Walker {
         doc,
         nodes,
