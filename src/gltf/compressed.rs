@@ -38,7 +38,7 @@ pub(super) struct Decoded {
     /// Bytes that the accessors in a view need of it, of views that need decoding.
     needed: HashMap<usize, u64>,
     /// Bytes of all views that need decoding, as the JSON states them.
-    pub(super) bytes: u64,
+    bytes: u64,
     /// Bytes of all buffers.
     stored: u64,
 }
@@ -90,6 +90,11 @@ impl Decoded {
         let stride = number(views[view].get("byteStride")).max(kind.element_size(component) as u64);
         let end = number(count).saturating_mul(stride).saturating_add(number(part.get("byteOffset")));
         *needed = end.max(*needed);
+    }
+
+    /// Bytes of all views that need decoding; 0 if they are so many that none is decoded.
+    pub(super) fn described(&self) -> u64 {
+        if self.bytes <= self.stored.saturating_mul(Self::LIMIT) { self.bytes } else { 0 }
     }
 
     /// There is nothing to decode.

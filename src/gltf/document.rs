@@ -175,7 +175,7 @@ impl Document {
     /// Bytes of all buffers, and of what is compressed in them as it is decompressed: the bound on what accessors with data
     /// can describe.
     pub fn described_bytes(&self) -> u64 {
-        self.buffer_bytes().saturating_add(self.decoded.bytes)
+        self.buffer_bytes().saturating_add(self.decoded.described())
     }
 
     /// Whether the only copy of some buffer view is compressed (`EXT_meshopt_compression`, `KHR_meshopt_compression`).
