@@ -170,3 +170,17 @@ test('broken files are refused with a reason', async () => {
     for (const [reason, edit] of cases) await assert.rejects(change(edit), (error) => reason.test(String(error)), String(edit));
     assert.equal(await change((_, copy) => { delete copy.extensions; }), null);
 });
+
+test('wrong deviations of simplified meshes are refused, as natively; the scene is drawn without proxies', async () => {
+    const { json, bytesOf } = readGlb(plant());
+    const noticeOf = async (/** @type {any} */ deviation) => {
+        const copy = structuredClone(json);
+        const level = { mesh: 1, error: 0.1, ...(deviation === undefined ? {} : { deviation }) };
+        copy.extensions.EXT_spherical_visibility.meshLevels = [{ mesh: 0, levels: [level] }];
+        return (await VisibilityScene.fromGltf(copy, bytesOf))?.notice;
+    };
+    for (const right of [undefined, null, [0, 0, 0], [0.01, 0.02, 0.5]]) assert.equal(await noticeOf(right), null, String(right));
+    for (const wrong of [[-1, -1, -1], [-1, 0.05, 0.1], [0.05, 0.02, 0.1], [0.01, 0.02, 2], [0.01, 0.02], [0.01, '0.02', 0.1], 'none']) {
+        assert.match(String(await noticeOf(wrong)), /a deviation must be in order/, String(wrong));
+    }
+});

@@ -7,6 +7,7 @@ import { after, before, test } from 'node:test';
 import { launch } from './browser.mjs';
 import { compare, picture } from './pictures.mjs';
 import { baked, plant, plantWithCompressedProxies, plantWithProxies, root, run, shared, target } from './scenes.mjs';
+import { SQUARES, textured } from './textured.mjs';
 
 // What the visibility of a draft bake leaves out of a picture, at a quality that drops nothing for its size.
 const LEAST_SSIM = 0.99;
@@ -231,6 +232,55 @@ async function pictures(file, backend, name) {
     assert.deepEqual(problems, []);
     await page.close();
     return { seen, all };
+}
+
+for (const backend of BACKENDS) {
+    test(`textures lie the right way round, repeat, are cut out and let light through (${backend})`, async () => {
+        const { page, problems } = await open(await serve(textured()), backend);
+        const [distance, fov] = [7, 1];
+        await page.evaluate(([distance, fov]) => {
+            const { svs } = /** @type {any} */ (window);
+            svs.viewer.set_camera(0, 0, distance, 0, 0, -1, fov, 0);
+        }, [distance, fov]);
+        const { width, height } = await settled(page);
+        const { data, width: row } = await picture(page, `textured-${backend}`);
+        const perUnit = height / 2 / Math.tan(fov / 2) / distance;
+        const at = (/** @type {number} */ x, /** @type {number} */ y) => {
+            const [column, line] = [Math.round(width / 2 + perUnit * x), Math.round(height / 2 - perUnit * y)];
+            return [...data.subarray(4 * (line * row + column), 4 * (line * row + column) + 3)];
+        };
+        /** @type {(color: number[]) => string} */
+        const name = ([r, g, b]) => {
+            const [low, high] = [Math.min(r, g, b), Math.max(r, g, b)];
+            if (high - low < 30) return 'grey';
+            const has = (/** @type {number} */ value) => value > (low + high) / 2;
+            return [has(r) ? 'red' : '', has(g) ? 'green' : '', has(b) ? 'blue' : ''].join('');
+        };
+        const names = (/** @type {number[]} */ [x, y], /** @type {number[][]} */ places) => places.map(([dx, dy]) => name(at(x + dx, y + dy)));
+        const corners = [[-0.5, 0.5], [0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]];
+        assert.deepEqual(names(SQUARES.quarters, corners), ['red', 'green', 'blue', 'grey']);
+        assert.deepEqual(names(SQUARES.light, corners), ['red', 'green', 'blue', 'grey']);
+        const [lit, own] = [SQUARES.quarters, SQUARES.light].map(([x, y]) => at(x + 0.5, y - 0.5));
+        assert(own[0] > 250 && lit[0] < 240, `light is not shaded: ${own}, ${lit}`);
+        // Mirrored to the right, repeated downwards.
+        const line = [[-0.75, 0.75], [-0.25, 0.75], [0.25, 0.75], [0.75, 0.75]];
+        assert.deepEqual(names(SQUARES.repeated, line), ['red', 'green', 'green', 'red']);
+        assert.deepEqual(names(SQUARES.repeated, line.map(([x, y]) => [x, y - 1])), ['red', 'green', 'green', 'red']);
+        assert.deepEqual(names(SQUARES.repeated, line.map(([x, y]) => [x, y - 0.5])), ['blue', 'grey', 'grey', 'blue']);
+        // Cut out, without a dark seam: nothing across the disc is darker than the wall or the disc.
+        assert.deepEqual(names(SQUARES.disc, [[0, 0], ...corners.map(([x, y]) => [1.6 * x, 1.6 * y])]), ['redgreen', 'grey', 'grey', 'grey', 'grey']);
+        const [wall, inside] = [at(SQUARES.disc[0] - 0.9, SQUARES.disc[1]), at(SQUARES.disc[0], SQUARES.disc[1])];
+        let darkest = 255;
+        for (let x = -0.9; x <= 0.9; x += 1 / perUnit) {
+            for (let y = -0.9; y <= 0.9; y += 1 / perUnit) darkest = Math.min(darkest, at(SQUARES.disc[0] + x, SQUARES.disc[1] + y)[1]);
+        }
+        console.log(`across the disc at least ${darkest} green, wall ${wall[1]}, disc ${inside[1]}`);
+        assert(darkest >= Math.min(wall[1], inside[1]) - 6, 'a dark seam');
+        assert.deepEqual(names(SQUARES.glass, [[0, 0]]), ['greenblue'], 'glass');
+        assert(at(SQUARES.glass[0], SQUARES.glass[1])[0] > 60, 'the wall is seen through the glass');
+        assert.deepEqual(problems, []);
+        await page.close();
+    });
 }
 
 test('visibility changes no picture, and both interfaces draw the same', async () => {
