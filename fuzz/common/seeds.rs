@@ -16,7 +16,8 @@ pub(crate) fn all() -> Vec<Seeds> {
     let baked = baked();
     let glb = |(json, bin): &(Value, Vec<u8>)| input::glb(&json.to_string(), bin);
     let text = |(json, bin): &(Value, Vec<u8>)| input::join(b"{", &json.to_string(), bin);
-    let plain = [generated(SampleKind::Cubes, 0.004), features()];
+    let [ext, khr] = packed();
+    let plain = [generated(SampleKind::Cubes, 0.004), features(), ext, khr];
     let every: Vec<(Value, Vec<u8>)> = plain.iter().chain(&baked).cloned().collect();
     vec![
         ("glb", every.iter().map(glb).collect()),
@@ -188,6 +189,19 @@ fn features() -> (Value, Vec<u8>) {
         "extras": {"any": [1.50, "thing"]},
     });
     file.finish(json)
+}
+
+/// Files whose geometry is compressed with `EXT_meshopt_compression` and `KHR_meshopt_compression`.
+fn packed() -> [(Value, Vec<u8>); 2] {
+    let files: [&[u8]; 2] = [
+        include_bytes!("../../tests/cli/packed/cubes.ext.glb"),
+        include_bytes!("../../tests/cli/packed/cubes.khr.glb"),
+    ];
+    files.map(|file| {
+        let mut document = Document::from_glb(file).expect("a GLB");
+        let bin = document.buffers.swap_remove(0);
+        (document.json, bin)
+    })
 }
 
 /// A PNG of 4 x 4 pixels, every other one clear.

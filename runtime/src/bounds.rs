@@ -82,6 +82,15 @@ pub enum BoundsError {
         /// Place in tree order.
         object: usize,
     },
+    /// Where levels start does not ascend from 0 to their number, with one entry per loose object and one more.
+    #[error("where the levels of loose objects start does not fit the objects and the levels")]
+    LooseLevelStarts,
+    /// More than 64 levels, errors that are not finite or fall, or triangles that rise.
+    #[error("loose object {object}: its levels do not get coarser and coarser, or are more than 64")]
+    LooseLevels {
+        /// Index of the loose object.
+        object: usize,
+    },
     /// Not one triangle count per loose object, or more objects than can be numbered.
     #[error("{boxes} boxes of loose objects, but {triangles} triangle counts were given")]
     LooseCount {

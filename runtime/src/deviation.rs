@@ -24,8 +24,8 @@ impl Deviation {
         Self { mean: length(self.mean), rms: length(self.rms), wrong: self.wrong }
     }
 
-    /// Finite, in order, and within the error.
-    pub(crate) fn is_valid(&self, error: f32) -> bool {
+    /// Finite, in order, and within the geometric error in metres: what a file must have.
+    pub fn is_valid(&self, error: f32) -> bool {
         let in_order = self.mean >= 0.0 && self.mean <= self.rms && self.rms <= error;
         in_order && error.is_finite() && (0.0..=1.0).contains(&self.wrong)
     }

@@ -11,7 +11,7 @@ use crate::small::{LeftOut, Smallest};
 use glam::DVec3;
 
 /// Why culling draws an object or not, before any budget. Whether a budget then left it out shows in what
-/// [`SceneCuller::cull_within`] returns.
+/// [`SceneCuller::cull_within`] returns; what [`SceneCuller::select`] draws in its place tells [`SceneCuller::outcome`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {

@@ -41,7 +41,7 @@ pub use camera::Camera;
 pub use cost::CostModel;
 pub use cull::Culler;
 pub use decode::{AccessorSource, AccessorView, Visibility};
-pub use detail::{Detail, DetailStatistics, Level, Metric, Selected, SelectedKind};
+pub use detail::{Detail, DetailStatistics, Level, Metric, Outcome, Selected, SelectedKind};
 pub use deviation::Deviation;
 pub use directions::DirectionSet;
 pub use error::{DecodeError, TreeError};

@@ -121,7 +121,7 @@ impl SceneCuller {
     pub fn set_loose(&mut self, bounds: &[Bounds], triangles: &[u32]) -> Result<(), BoundsError> {
         self.loose = Loose::new(bounds, triangles)?;
         self.within.forget();
-        self.detail.forget();
+        self.detail.forget_loose();
         self.draws.clear();
         Ok(())
     }

@@ -43,7 +43,7 @@ impl Attributes {
         let mut attributes = Self::plain();
         let mut user: BTreeMap<usize, usize> = BTreeMap::new();
         let mut shared = BTreeSet::new();
-        let mut elements_left = doc.buffer_bytes().saturating_mul(64).saturating_add(FREE_ELEMENTS);
+        let mut elements_left = doc.described_bytes().saturating_mul(64).saturating_add(FREE_ELEMENTS);
         for (m, mesh) in plan.meshes.iter().enumerate() {
             for primitive in &mesh.primitives {
                 let choice = attributes.choose(doc, primitive, materials, notes);

@@ -131,13 +131,16 @@ pub(crate) enum LayoutName {
 /// Simplified stand-ins for groups of objects. Viewers that do not know the extension do not see them.
 #[derive(Debug, Args)]
 pub(crate) struct Proxies {
-    /// Proxies, at most a fifth of the geometry's bytes: of what is visible from outside, of everything, or none
+    /// Proxies: of what is visible from outside, of everything, or none
     #[arg(long, value_enum, value_name = "WHICH", default_value_t)]
     pub(crate) proxies: ProxiesName,
     /// Error of the finest proxies, in pixels of a screen of 1080 lines that the whole scene fills; coarser is smaller
     #[arg(long, value_name = "PX", default_value_t = svs::proxies::DEFAULT_ERROR_PIXELS, value_parser = positive)]
     pub(crate) proxy_error: f64,
-    /// How proxies are stored: quantized needs a loader that knows KHR_mesh_quantization
+    /// Bytes that proxies may add, in percent of the geometry's
+    #[arg(long, value_name = "PERCENT", default_value_t = 100.0 * svs::proxies::DEFAULT_SHARE, value_parser = positive)]
+    pub(crate) proxy_share: f64,
+    /// How proxies are stored. Loaders that do not know the extensions that this needs refuse the whole file
     #[arg(long, value_enum, value_name = "FORMAT", default_value_t)]
     pub(crate) proxy_format: ProxyFormatName,
     /// Triangles that the smallest proxies stand for, about
@@ -339,9 +342,13 @@ pub(crate) enum ProxiesName {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ProxyFormatName {
+    /// For every loader
     #[default]
     Float,
+    /// Smaller; needs KHR_mesh_quantization
     Quantized,
+    /// Compressed, about a third of the bytes; needs EXT_meshopt_compression too, as files of gltfpack -c do
+    Meshopt,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

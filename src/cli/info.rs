@@ -4,6 +4,7 @@ use super::args::{Common, Info};
 use super::error::Failure;
 use super::file;
 use super::level_share::{self, LevelShare, Node};
+use super::lods::Lods;
 use super::output::{self, bytes, count, counted, number, percent, ratio};
 use super::tree_weights::{tree_weights, triangles_of};
 use serde::Deserialize;
@@ -33,6 +34,7 @@ struct FileInfo {
     triangles: u64,
     /// Simplified versions of meshes, and their triangles.
     mesh_levels: [u64; 2],
+    lods: Lods,
 }
 
 struct TreeInfo {
@@ -78,6 +80,7 @@ impl FileInfo {
             objects: scene.objects.len() as u64,
             triangles: scene.objects.iter().map(|object| triangles_of(&scene, object.mesh)).sum(),
             mesh_levels: [0; 2],
+            lods: Lods::of(document),
         };
         let Some(extension) = document.json.get("extensions").and_then(|all| all.get(EXTENSION_NAME)) else {
             return Ok(info);
@@ -122,6 +125,7 @@ impl FileInfo {
             "geometry_bytes": self.geometry_bytes,
             "bytes": self.bytes(),
             "mesh_levels": { "count": self.mesh_levels[0], "triangles": self.mesh_levels[1] },
+            "msft_lod": self.lods,
             "trees": self.trees.iter().map(TreeInfo::to_json).collect::<Vec<_>>(),
         })
     }
@@ -130,7 +134,7 @@ impl FileInfo {
         let path = path.display();
         let scene = format!("{}, {}", counted(self.objects, "object"), counted(self.triangles, "triangle"));
         if self.trees.is_empty() {
-            return format!("{path}: no baked visibility; {scene}\n");
+            return format!("{path}: no baked visibility; {scene}\n{}", self.lods.to_text());
         }
         let mut text = format!(
             "{path}: {}, {}, {} ({} of the geometry); {scene}\n",
@@ -145,6 +149,7 @@ impl FileInfo {
             let (levels, triangles) = (counted(levels, "simplified version"), counted(triangles, "triangle"));
             let _ = writeln!(text, "{levels} of meshes, {triangles}");
         }
+        text += &self.lods.to_text();
         for (index, tree) in self.trees.iter().enumerate() {
             let _ = write!(text, "\ntree {index}: {}", tree.to_text());
         }

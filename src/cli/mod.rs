@@ -15,6 +15,7 @@ mod hidden;
 mod info;
 mod interrupt;
 mod level_share;
+mod lods;
 mod memory;
 mod options;
 mod output;

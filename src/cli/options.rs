@@ -46,6 +46,13 @@ impl TryFrom<&Build> for BuildOptions {
                     .to_owned(),
             ));
         }
+        if args.layout == LayoutName::Stream && args.proxies.proxy_format == ProxyFormatName::Meshopt {
+            return Err(Failure::Usage(
+                "--layout stream is for data that can be read piece by piece, which compressed proxies cannot; use \
+                 --proxy-format quantized with it"
+                    .to_owned(),
+            ));
+        }
         let bake = BakeOptions {
             quality: match args.quality {
                 Some(QualityName::Draft) => Quality::Draft,
@@ -85,10 +92,11 @@ impl From<&Proxies> for ProxyOptions {
             format: match args.proxy_format {
                 ProxyFormatName::Float => ProxyFormat::Float,
                 ProxyFormatName::Quantized => ProxyFormat::Quantized,
+                ProxyFormatName::Meshopt => ProxyFormat::Meshopt,
             },
             triangles: args.proxy_triangles,
+            share: args.proxy_share / 100.0,
             msft_lod: args.msft_lod,
-            ..Self::default()
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A glTF document in memory: its JSON as it is, its buffers as bytes, and how both were stored.
 
 use super::buffers::{self, BufferStorage};
+use super::compressed::Decoded;
 use super::error::{AccessorError, ReadError, UriError};
 use super::glb::{self, Chunk};
 use super::style::JsonStyle;
@@ -38,6 +39,8 @@ impl Container {
 #[derive(Clone, Debug)]
 pub struct Document {
     /// The whole JSON, an object. Key order and number text are those of the file.
+    ///
+    /// Compressed buffer views are those that were there when the document was made, or attached to it since.
     pub json: Value,
     /// The bytes of `/buffers/N`, `byteLength` of them; empty for a buffer without data.
     pub buffers: Vec<Vec<u8>>,
@@ -51,6 +54,7 @@ pub struct Document {
     pub(super) dropped_chunks: usize,
     /// Bytes of all buffers when the document was read: what its accessors may plausibly stand for.
     pub(super) read_bytes: u64,
+    pub(super) decoded: Decoded,
 }
 
 impl Document {
@@ -131,6 +135,7 @@ impl Document {
         require_gltf(&json)?;
         let loaded = buffers::load(&json, bin, folder.as_deref())?;
         let read_bytes = loaded.buffers.iter().map(|buffer| buffer.len() as u64).sum();
+        let decoded = Decoded::new(&json, &loaded.storage, read_bytes);
         Ok(Document {
             json,
             buffers: loaded.buffers,
@@ -143,6 +148,7 @@ impl Document {
             style,
             dropped_chunks: 0,
             read_bytes,
+            decoded,
         })
     }
 
@@ -161,9 +167,25 @@ impl Document {
         self.storage.get(index)
     }
 
-    /// Bytes of all buffers: the bound on what accessors with data can describe.
+    /// Bytes of all buffers.
     pub fn buffer_bytes(&self) -> u64 {
         self.buffers.iter().map(|buffer| buffer.len() as u64).sum()
+    }
+
+    /// Bytes of all buffers, and of what is compressed in them as it is decompressed: the bound on what accessors with data
+    /// can describe.
+    pub fn described_bytes(&self) -> u64 {
+        self.buffer_bytes().saturating_add(self.decoded.described())
+    }
+
+    /// Whether the only copy of some buffer view is compressed (`EXT_meshopt_compression`, `KHR_meshopt_compression`).
+    pub fn has_compressed_views(&self) -> bool {
+        !self.decoded.is_empty()
+    }
+
+    /// To be called after buffer views were added or removed.
+    pub(super) fn views_changed(&mut self) {
+        self.decoded = Decoded::new(&self.json, &self.storage, self.buffer_bytes());
     }
 
     /// Number of accessors, which is the index that the next appended accessor gets.
@@ -171,21 +193,34 @@ impl Document {
         json::array(&self.json, "accessors").len()
     }
 
-    /// The bytes of a buffer view.
+    /// The bytes of a buffer view. If they are stored compressed only, they are decoded when they are first asked for, and
+    /// kept.
     ///
     /// # Errors
-    /// [`AccessorError`] if the view or its buffer does not exist, has no data, or the view leaves its buffer.
+    /// [`AccessorError`] if the view or its buffer does not exist, has no data, or the view leaves its buffer; if it is
+    /// compressed, and the data are broken or this build (without the feature `bake`) has no decoder.
     pub fn buffer_view(&self, index: usize) -> Result<&[u8], AccessorError> {
-        let pointer = || format!("/bufferViews/{index}");
-        let view = json::array(&self.json, "bufferViews").get(index);
-        let view = view.ok_or_else(|| AccessorError::Missing { pointer: pointer() })?;
+        if self.decoded.has(index) { self.decoded.view(self, index) } else { self.stored_view(index) }
+    }
+
+    /// The bytes of a buffer view as they are stored.
+    fn stored_view(&self, index: usize) -> Result<&[u8], AccessorError> {
+        let pointer = format!("/bufferViews/{index}");
+        match json::array(&self.json, "bufferViews").get(index) {
+            Some(view) => self.stored_bytes(view, &pointer),
+            None => Err(AccessorError::Missing { pointer }),
+        }
+    }
+
+    /// The range of a buffer that an object at `pointer` names: a buffer view, or the extension on one.
+    pub(super) fn stored_bytes(&self, view: &Value, pointer: &str) -> Result<&[u8], AccessorError> {
         let number = |key: &str, default: Option<usize>| match view.get(key) {
             None => default,
             Some(value) => json::index(value),
         };
         let required = |key: &str, default| {
             number(key, default).ok_or_else(|| AccessorError::Malformed {
-                pointer: format!("{}/{key}", pointer()),
+                pointer: format!("{pointer}/{key}"),
                 expected: "a non-negative integer",
             })
         };
@@ -199,7 +234,7 @@ impl Document {
         }
         let end = offset.checked_add(length);
         end.and_then(|end| bytes.get(offset..end)).ok_or_else(|| AccessorError::OutOfBounds {
-            pointer: pointer(),
+            pointer: pointer.to_owned(),
             needed: (offset as u64).saturating_add(length as u64),
             available: bytes.len() as u64,
         })
@@ -208,10 +243,10 @@ impl Document {
     /// Where a buffer view lies: its buffer, and a range of it.
     ///
     /// # Errors
-    /// As [`Self::buffer_view`].
+    /// As [`Self::buffer_view`]; and if the view is stored compressed only.
     pub fn buffer_view_range(&self, index: usize) -> Result<(usize, std::ops::Range<usize>), AccessorError> {
         // Checks everything.
-        let length = self.buffer_view(index)?.len();
+        let length = self.stored_view(index)?.len();
         let view = &json::array(&self.json, "bufferViews")[index];
         let number = |key: &str| view.get(key).and_then(json::index).unwrap_or(0);
         let start = number("byteOffset");

@@ -207,6 +207,24 @@ pub enum AccessorError {
         /// JSON pointer of the buffer.
         pointer: String,
     },
+    /// The only copy of the data is compressed, and this build has no decoder.
+    #[error("{pointer}: {}", undecodable(extension))]
+    Compressed {
+        /// JSON pointer of the buffer view.
+        pointer: String,
+        /// The compression extension.
+        extension: &'static str,
+    },
+    /// Compressed data are broken, or would be larger than is plausible.
+    #[error("{pointer}: with {extension}: {problem}")]
+    Stream {
+        /// JSON pointer of the buffer view.
+        pointer: String,
+        /// The compression extension.
+        extension: &'static str,
+        /// What is wrong.
+        problem: String,
+    },
     /// More all-zero elements than is plausible for the size of the file.
     #[error("{pointer}: {count} elements without a buffer view, more than the file's size makes plausible")]
     TooManyZeros {
@@ -225,6 +243,19 @@ pub enum AccessorError {
         /// Kind asked for.
         expected: &'static str,
     },
+}
+
+/// What to do about data that cannot be decompressed here.
+pub(crate) fn undecodable(extension: &str) -> String {
+    let remedy = if extension.ends_with("meshopt_compression") {
+        " (or build its proxies with `--proxy-format quantized`)"
+    } else {
+        ""
+    };
+    format!(
+        "the geometry is compressed with {extension}, which cannot be decoded here; decompress the file first, for example \
+         with `gltf-transform copy in.glb out.glb`{remedy}"
+    )
 }
 
 /// Why the payload could not be attached. The document is then as it was before.

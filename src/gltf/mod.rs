@@ -13,6 +13,7 @@
 
 mod accessor;
 mod buffers;
+pub(crate) mod compressed;
 #[cfg(feature = "bake")]
 mod convert;
 mod decode;
@@ -21,6 +22,8 @@ mod error;
 mod glb;
 pub(crate) mod json;
 mod kinds;
+#[cfg(feature = "bake")]
+mod meshopt;
 #[cfg(feature = "bake")]
 pub mod payload;
 #[cfg(feature = "bake")]
@@ -43,6 +46,7 @@ mod write_tests;
 pub use accessor::Accessor;
 pub use buffers::BufferStorage;
 pub use document::{Container, Document};
+pub(crate) use error::undecodable;
 pub use error::{AccessorError, AttachError, ReadError, UriError, WriteError};
 pub use kinds::{AccessorKind, ComponentType};
 #[cfg(feature = "bake")]

@@ -7,6 +7,7 @@
 //! Large Static and Dynamic Environments, 2001.
 
 mod build;
+mod compress;
 mod encode;
 pub mod geometry;
 mod hierarchy;
@@ -411,6 +412,8 @@ impl ProxyBake {
         self.stored_bytes()
             + trees * TABLES_JSON
             + self.additions.accessors.len() as u64 * VIEW_DIGITS
+            + self.additions.views.iter().filter(|view| view.compression.is_some()).count() as u64
+                * encode::COMPRESSED_VIEW_JSON
             + json(&self.mesh_levels)
             + json(&self.additions.accessors)
             + json(&self.additions.meshes)

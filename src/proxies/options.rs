@@ -20,6 +20,9 @@ pub enum ProxyFormat {
     Float,
     /// Normals in bytes and texture coordinates in shorts where they fit: needs `KHR_mesh_quantization`.
     Quantized,
+    /// Compressed too, positions on a grid far below the errors: needs `EXT_meshopt_compression` and
+    /// `KHR_mesh_quantization`, and readers that do not know both refuse the whole file.
+    Meshopt,
 }
 
 /// Options of the proxies of a bake.

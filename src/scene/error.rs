@@ -70,10 +70,7 @@ pub enum SceneError {
         source: AccessorError,
     },
     /// Geometry that only exists in a compressed form this reader does not decode.
-    #[error(
-        "{pointer}: the geometry is compressed with {extension}; decompress the file first, \
-         for example with `gltf-transform copy in.glb out.glb`"
-    )]
+    #[error("{pointer}: {}", crate::gltf::undecodable(extension))]
     Compressed {
         /// The property that needs the data.
         pointer: String,

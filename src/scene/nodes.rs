@@ -41,7 +41,7 @@ pub(super) fn walk(
 ) -> Result<Walk, SceneError> {
     let nodes = array(&doc.json, "nodes", "")?;
     let (scene, roots) = roots(&doc.json, scene, nodes, notes)?;
-    let bytes = doc.buffer_bytes();
+    let bytes = doc.described_bytes();
     let mut walker = Walker {
         doc,
         nodes,
@@ -49,7 +49,7 @@ pub(super) fn walk(
         notes,
         state: vec![State::New; nodes.len()],
         mesh_of: vec![None; array(&doc.json, "meshes", "")?.len()],
-        object_limit: (FREE_OBJECTS + nodes.len() as u64 + bytes).min(u64::from(u32::MAX)),
+        object_limit: bytes.saturating_add(FREE_OBJECTS + nodes.len() as u64).min(u64::from(u32::MAX)),
         out: Walk { scene, ..Walk::default() },
     };
     for root in roots {

@@ -60,7 +60,7 @@ pub(crate) struct Plan {
 pub(crate) fn plan(doc: &Document, meshes: &[usize], notes: &mut Notes) -> Result<Plan, SceneError> {
     let mut plan = Plan::default();
     let mut first_user: BTreeMap<usize, (usize, String)> = BTreeMap::new();
-    let bytes = doc.buffer_bytes();
+    let bytes = doc.described_bytes();
     let limit = FREE_CORNERS.saturating_add(bytes.saturating_mul(64));
     let mut corners = 0_u64;
     let mut counted_uvs = BTreeSet::new();

@@ -2,7 +2,7 @@
 
 use crate::baked::Baked;
 use crate::gltf::Document;
-use crate::scene::Scene;
+use crate::scene::{Role, Scene};
 use glam::DAffine3;
 use serde_json::Value;
 use std::collections::{BTreeSet, HashMap};
@@ -59,6 +59,8 @@ pub(super) struct Extras {
     levels: Vec<u32>,
     /// Per tree, per place: the innermost proxy node around it, or [`NONE`].
     owners: Vec<Vec<u32>>,
+    /// Levels of objects in no tree, errors in metres of world space.
+    loose: HashMap<u32, Vec<Level>>,
 }
 
 /// glTF meshes that proxies and levels draw, ascending; empty if there are none.
@@ -125,14 +127,8 @@ impl Extras {
                 let draw = Draw { tree: tree as u32, anchor: anchor as u32, object: place as u32 };
                 let object = baked.object_of(draw).filter(|_| !nested.contains(&draw.object));
                 if let Some(object) = object {
-                    let stretch = stretch(&(from_world * scene.objects[object as usize].to_world));
-                    let stretched =
-                        |length: f32| (f64::from(length) * stretch).min(f64::from(f32::MAX)) as f32;
-                    levels.extend(levels_of(object).iter().map(|level| Level {
-                        triangles: triangles(level.mesh),
-                        error: stretched(level.error),
-                        deviation: level.deviation.stretched(stretch),
-                    }));
+                    let to_tree = from_world * scene.objects[object as usize].to_world;
+                    levels.extend(placed(levels_of(object), &to_tree, &triangles));
                 }
                 starts.push(levels.len() as u32);
             }
@@ -142,7 +138,18 @@ impl Extras {
         }
         let mut extras = Self { own: scene.objects.len() as u32, ..Self::default() };
         extras.levels = vec![NONE; scene.objects.len()];
-        for (_, object) in baked.draws() {
+        let in_trees: BTreeSet<u32> = baked.draws().map(|(_, object)| object).collect();
+        let is_loose =
+            |object: &u32| !in_trees.contains(object) && scene.objects[*object as usize].role == Role::Static;
+        for object in (0..extras.own).filter(is_loose) {
+            let levels = levels_of(object);
+            if !levels.is_empty() {
+                let placed = placed(levels, &scene.objects[object as usize].to_world, &triangles);
+                extras.loose.insert(object, placed.collect());
+            }
+        }
+        let loose = (0..extras.own).filter(is_loose);
+        for object in baked.draws().map(|(_, object)| object).chain(loose) {
             let levels = levels_of(object);
             if levels.is_empty() || extras.levels[object as usize] != NONE {
                 continue;
@@ -193,6 +200,16 @@ impl Extras {
         first..first + (first..).take_while(is_its).count() as u32
     }
 
+    /// The levels of these objects, which are in no tree, as [`SceneCuller::set_loose_levels`] takes them.
+    pub(super) fn loose_levels(&self, objects: &[u32]) -> (Vec<u32>, Vec<Level>) {
+        let (mut starts, mut levels) = (vec![0], Vec::new());
+        for object in objects {
+            levels.extend(self.loose.get(object).into_iter().flatten());
+            starts.push(levels.len() as u32);
+        }
+        (starts, levels)
+    }
+
     /// All ids and what they stand for.
     pub(super) fn all(&self) -> impl Iterator<Item = (u32, Extra)> {
         self.list.iter().enumerate().map(|(at, &extra)| (self.own + at as u32, extra))
@@ -239,6 +256,21 @@ impl Extras {
         keyed.sort_unstable();
         keyed.into_iter().map(|(_, id)| id).collect()
     }
+}
+
+/// Levels as they are where the object is, which `transform` leads to.
+fn placed(
+    levels: Levels<'_>,
+    transform: &DAffine3,
+    triangles: impl Fn(u32) -> u32,
+) -> impl Iterator<Item = Level> {
+    let stretch = stretch(transform);
+    let stretched = move |length: f32| (f64::from(length) * stretch).min(f64::from(f32::MAX)) as f32;
+    levels.iter().map(move |level| Level {
+        triangles: triangles(level.mesh),
+        error: stretched(level.error),
+        deviation: level.deviation.stretched(stretch),
+    })
 }
 
 fn owners(tree: &svs_runtime::Tree) -> Vec<u32> {

@@ -122,6 +122,10 @@ impl Stage {
             loose.iter().filter_map(|&object| outward(&boxes[object as usize])).collect();
         let loose_triangles: Vec<u32> = loose.iter().map(|&object| triangles[object as usize]).collect();
         culler.set_loose(&loose_boxes, &loose_triangles)?;
+        if let Some(extras) = &extras {
+            let (starts, levels) = extras.loose_levels(&loose);
+            culler.set_loose_levels(&starts, &levels)?;
+        }
         let mut order = order(&mut culler, |draw| object_of(baked.as_ref(), &loose, draw));
         let own = order.len();
         if let Some(extras) = &extras {

@@ -3,7 +3,7 @@
 use super::{Extra, Method, Stage, object_of};
 use std::collections::HashSet;
 use svs_render::View;
-use svs_runtime::{Budget, Detail, DetailStatistics, Settings};
+use svs_runtime::{Budget, Detail, DetailStatistics, Outcome, Settings};
 
 /// What an id of [`Stage::select`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -64,6 +64,12 @@ impl Stage {
     /// What the last [`Stage::select`] did; all zeros if it fell back to [`Stage::cull`].
     pub fn detail_statistics(&self) -> DetailStatistics {
         if self.extras.is_some() { self.culler.detail_statistics() } else { DetailStatistics::default() }
+    }
+
+    /// What the last [`Stage::select`] made of an object of the scene; `None` if something has changed since, or it fell back to
+    /// [`Stage::cull`].
+    pub fn outcome(&self, object: u32) -> Option<Outcome> {
+        self.culler.outcome(self.draw_of(object)?)
     }
 
     /// What was drawn last and, after [`Stage::select`], the share P(mu) of its error that counted, 0 to 1.

@@ -129,3 +129,51 @@ fn names_of_methods_go_both_ways() {
     }
     assert!("all".parse::<Method>().is_err());
 }
+
+/// A sphere inside which the camera is not, whose mesh has a level, and another object with that mesh which no tree knows.
+#[test]
+fn objects_in_no_tree_are_simplified_too() {
+    let mut doc = shells();
+    let json = &mut doc.json;
+    let primitive = json["meshes"][0]["primitives"][0].clone();
+    let indices = primitive["indices"].as_u64().expect("indices") as usize;
+    let mut fewer = json["accessors"][indices].clone();
+    fewer["count"] = json!(30);
+    let mut level = primitive;
+    level["indices"] = json!(json["accessors"].as_array().expect("accessors").len());
+    let [mesh, node] = ["meshes", "nodes"].map(|key| json[key].as_array().expect(key).len());
+    json["accessors"].as_array_mut().expect("accessors").push(fewer);
+    json["meshes"].as_array_mut().expect("meshes").push(json!({"primitives": [level]}));
+    json["nodes"]
+        .as_array_mut()
+        .expect("nodes")
+        .push(json!({"mesh": 0, "translation": [40, 0, 0], "scale": [2, 2, 2]}));
+    json["scenes"][0]["nodes"].as_array_mut().expect("nodes").push(json!(node));
+    json["extensions"]["EXT_spherical_visibility"]["meshLevels"] =
+        json!([{"mesh": 0, "levels": [{"mesh": mesh, "error": 0.25}]}]);
+
+    let mut stage = Stage::open(&doc).expect("a stage");
+    assert_eq!(stage.notice(), None);
+    let loose = stage.scene.objects.iter().position(|object| object.node == node).expect("an object") as u32;
+    assert_eq!(stage.draw_of(loose).expect("an answer").tree, svs_runtime::LOOSE);
+    let levels = stage.levels_of(loose);
+    assert_eq!(levels.len(), 1);
+    let view = outside(&stage);
+    let settings = stage.recommended();
+    let mut select = |tau: f32| {
+        let detail = svs_runtime::Detail { tau, metric: svs_runtime::Metric::Sse };
+        let budget = svs_runtime::Budget::Unlimited;
+        stage.select(&view, 640, 480, Method::Visibility, &settings, &detail, &budget).to_vec()
+    };
+    // Half a metre, for the object is scaled by 2.
+    let (fine, coarse) = (select(0.01), select(1000.0));
+    assert!(fine.contains(&loose) && !fine.contains(&levels.start), "{fine:?}");
+    assert!(coarse.contains(&levels.start) && !coarse.contains(&loose), "{coarse:?}");
+    assert_eq!(stage.extra(levels.start), Some(Extra::Level { object: loose, level: 1 }));
+    assert_eq!(stage.objects_of(levels.start), [loose]);
+    let outcome = stage.outcome(loose);
+    assert!(
+        matches!(outcome, Some(svs_runtime::Outcome::Level { level: 1, error }) if error > 0.0),
+        "{outcome:?}"
+    );
+}

@@ -77,6 +77,10 @@ impl Loader {
         for accessor in accessors_first(&loader.document) {
             first.extend(loader.ranges_of(accessor));
         }
+        // Compressed data do not say what of them a mesh needs: such a file is read as a whole, where it can be at all.
+        if cfg!(feature = "bake") && loader.document.has_compressed_views() {
+            first.push(loader.bin..loader.length);
+        }
         loader.first = coalesce(first, GAP);
         Ok(loader)
     }

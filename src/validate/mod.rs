@@ -17,7 +17,7 @@
 //! | `NESTED_CYCLE`, `NESTED_INVALID`, `NESTED_MISPLACED` | Error | a tree within itself; an entry that names what is not there, or twice; an anchor that is not where the outer tree has it |
 //! | `PROXY_SUBTREE_INVALID`, `PROXY_OBJECTS_INVALID`, `PROXY_SPHERE_INVALID`, `PROXY_ERROR_INVALID`, `PROXY_DEVIATION_INVALID`, `PROXY_ORIGIN_INVALID`, `PROXY_OBJECT_INVALID` | Error | proxies do not nest; numbers that are not finite, errors that are negative or rise; deviations above the errors; an order that is no permutation |
 //! | `PROXY_MESH_USED`, `MESH_LEVEL_USED` | Error | a node draws what stands for others |
-//! | `MESH_LEVELS_INVALID`, `MESH_LEVEL_NOT_SIMPLER` | Error | a mesh with two entries, or levels of levels; errors that fall, triangles that do not |
+//! | `MESH_LEVELS_INVALID`, `MESH_LEVEL_NOT_SIMPLER` | Error | a mesh with two entries, or levels of levels; errors that fall, triangles that do not, deviations out of order |
 //! | `TREE_INVALID` | Error | refused by the decoder for another reason |
 //! | `SCENE_UNREADABLE` | Warning | the scene has errors of its own, so trees are not checked against it |
 //! | `ANCHOR_UNREACHABLE`, `ANCHOR_NOT_INVERTIBLE` | Information, Warning | an anchor no scene shows; one whose tree cannot be used |

@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use svs_runtime::Proxies;
+use svs_runtime::{Deviation, Proxies};
 
 /// Vertices of proxies compared with spheres at most: many proxies may name one large mesh. Boxes come first, so that a
 /// clean file needs hardly any.
@@ -80,6 +80,12 @@ pub(super) fn check_mesh_levels(
                 }
                 error = next;
             }
+            if let Some(numbers) = level["deviation"].as_array()
+                && !deviation(numbers).is_valid(error as f32)
+            {
+                let message = "It must be in order: 0 <= mean <= rms <= error, and the share 0 to 1.";
+                report.error("MESH_LEVELS_INVALID", format!("{at}/deviation"), message.to_owned());
+            }
             let Some(mesh) = level["mesh"].as_u64() else { continue };
             if originals.contains(&mesh) {
                 let message = format!("Mesh {mesh} has levels itself.");
@@ -100,6 +106,12 @@ pub(super) fn check_mesh_levels(
             }
         }
     }
+}
+
+/// Of a level; what is no number is NaN.
+fn deviation(numbers: &[Value]) -> Deviation {
+    let number = |index: usize| numbers.get(index).and_then(Value::as_f64).map_or(f32::NAN, |x| x as f32);
+    Deviation { mean: number(0), rms: number(1), wrong: number(2) }
 }
 
 /// Checks what the proxies of a tree name.

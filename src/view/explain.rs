@@ -1,5 +1,6 @@
 //! Why an object is drawn or not, in words.
 
+use super::figures::grouped;
 use svs_runtime::Reason;
 
 /// A sentence for people. `drawn` is what happened in the end: only the budget can make it differ from the reason.
@@ -39,11 +40,29 @@ pub(crate) fn sentence(reason: &Reason, drawn: bool, budget: bool) -> String {
         _ => "the runtime gives a reason this viewer does not know".to_owned(),
     };
     if reason.is_drawn() && !drawn {
-        let left_out =
-            if budget { "left out: it did not fit into the budget" } else { "not drawn by this method" };
+        let left_out = if budget { "left out by the budget" } else { "not drawn by this method" };
         return format!("{left_out} (else {why})");
     }
     why
+}
+
+/// What is said of an object that a proxy stands for; `error` in pixels, if it is known.
+pub(crate) fn proxy(objects: u64, error: Option<f64>, triangles: u64) -> String {
+    format!(
+        "drawn as a proxy of {} objects ({}{} triangles)",
+        grouped(objects),
+        off_by(error),
+        grouped(triangles)
+    )
+}
+
+/// The same of an object that is drawn simplified.
+pub(crate) fn level(level: u8, error: Option<f64>, triangles: u64) -> String {
+    format!("drawn as simplified level {level} ({}{} triangles)", off_by(error), grouped(triangles))
+}
+
+fn off_by(error: Option<f64>) -> String {
+    error.map_or_else(String::new, |error| format!("error {error:.2} px, "))
 }
 
 fn counted(pixels: f64) -> String {
@@ -72,13 +91,22 @@ mod tests {
             sentence(&sphere, true, false),
             "drawn: seen from outside its 2nd group (sphere 4), visible level 3, estimated 120 pixels"
         );
-        assert!(sentence(&sphere, false, true).starts_with("left out: it did not fit"));
+        assert!(sentence(&sphere, false, true).starts_with("left out by the budget (else drawn"));
         assert!(sentence(&Reason::TooSmall { pixels: 0.42, node: 1 }, false, false).contains("0.4 pixels"));
         assert!(
             sentence(&Reason::Frustum { spheres: 0, disturbed: false }, true, false)
                 .contains("no baked sphere")
         );
         assert!(sentence(&Reason::UserHidden, false, false).contains("hidden"));
+    }
+
+    #[test]
+    fn what_stands_for_an_object_is_told_with_its_error() {
+        assert_eq!(
+            proxy(1200, Some(0.834), 240),
+            "drawn as a proxy of 1\u{2009}200 objects (error 0.83 px, 240 triangles)"
+        );
+        assert_eq!(level(2, None, 96), "drawn as simplified level 2 (96 triangles)");
     }
 
     #[test]

@@ -44,7 +44,7 @@ fn check(inputs: &[PathBuf], extension: &str) {
         let output = folder.path().join(format!("{index}.{extension}"));
         build(input, &output, &["-q"]).ok();
         let proxies = folder.path().join(format!("{index}.proxies.{extension}"));
-        let format = ["float", "quantized"][index % 2];
+        let format = ["float", "quantized", "meshopt"][index % 3];
         let options =
             ["-q", "--proxies", "auto", "--proxy-triangles", "500", "--proxy-format", format, "--msft-lod"];
         build(input, &proxies, &options).ok();

@@ -40,19 +40,82 @@ fn proxies_beside_gltf_with_external_buffers() {
     run(&["sample", "plant", "-q", "--scale", "0.2", "-o", scene.to_str().expect("UTF-8")]).ok();
     let before = contents(&scene);
     let output = folder.path().join("out.gltf");
-    build(
-        &scene,
-        &output,
-        &["-q", "--proxies", "all", "--proxy-triangles", "200", "--proxy-format", "quantized"],
-    )
-    .ok();
-    let json = contents(&output).0;
+    for (format, required) in [
+        ("quantized", "[\"KHR_mesh_quantization\"]"),
+        ("meshopt", "[\"KHR_mesh_quantization\",\"EXT_meshopt_compression\"]"),
+    ] {
+        let options = ["-q", "--proxies", "all", "--proxy-triangles", "200", "--proxy-format", format];
+        build(&scene, &output, &options).ok();
+        let json = contents(&output).0;
+        assert!(json.contains("PROXY_MESH") && json.contains(&format!("\"extensionsRequired\":{required}")));
+        run(&["validate".as_ref(), output.as_os_str()]).ok();
+        run(&["strip".as_ref(), output.as_os_str(), "-o".as_ref(), output.as_os_str()]).ok();
+        assert!(contents(&output) == before, "JSON or buffers differ");
+    }
+}
+
+#[test]
+fn compressed_proxies_are_smaller_stripped_and_baked_again_to_the_same_bytes() {
+    let folder = folder();
+    let [scene, one, two, stripped, other] =
+        ["scene.glb", "one.glb", "two.glb", "stripped.glb", "other.gltf"]
+            .map(|name| folder.path().join(name));
+    run(&["sample", "plant", "-q", "--scale", "0.2", "-o", scene.to_str().expect("UTF-8")]).ok();
+    let options = ["-q", "--proxies", "all", "--proxy-triangles", "200", "--proxy-format", "meshopt"];
+    let told = build(&scene, &one, &[&options[1..], &["--json"]].concat()).ok().json();
+    build(&one, &two, &options).ok();
     assert!(
-        json.contains("PROXY_MESH") && json.contains("\"extensionsRequired\":[\"KHR_mesh_quantization\"]")
+        fs::read(&two).expect("baked") == fs::read(&one).expect("baked"),
+        "a second build changes the result"
     );
-    run(&["validate".as_ref(), output.as_os_str()]).ok();
-    run(&["strip".as_ref(), output.as_os_str(), "-o".as_ref(), output.as_os_str()]).ok();
-    assert!(contents(&output) == before, "JSON or buffers differ");
+    run(&["validate".as_ref(), one.as_os_str()]).ok();
+    run(&["strip".as_ref(), one.as_os_str(), "-o".as_ref(), stripped.as_os_str()]).ok();
+    assert!(contents(&stripped) == contents(&scene), "JSON or buffers differ");
+
+    // What is reported is about what the file grew by, and not less.
+    build(&scene, &two, &["-q"]).ok();
+    let size = |path: &Path| fs::metadata(path).expect("a file").len();
+    let (grown, told) = (size(&one) - size(&two), told["proxies"]["bytes"].as_u64().expect("bytes"));
+    assert!(grown <= told && told <= grown + 40_000, "{grown} bytes, {told} reported");
+
+    // The other way of storing files: the fallback stays without a file.
+    build(&one, &other, &options).ok();
+    let document = Document::read(&other).expect("readable");
+    assert!(document.has_compressed_views());
+    let buffers = document.json["buffers"].as_array().expect("buffers");
+    assert!(buffers.last().expect("buffers").get("uri").is_none());
+    for accessor in 0..document.next_accessor() {
+        document.accessor(accessor).expect("readable");
+    }
+
+    build(&scene, &two, &[&options[..], &["--layout", "stream"]].concat())
+        .fails(2, &["--proxy-format quantized"]);
+}
+
+/// `gltfpack -c -kn -vpf` and `gltfpack -cc -ce khr -kn` of `svs sample cubes --scale 0.004`.
+#[test]
+fn files_of_gltfpack_are_baked_and_stay_as_they_are() {
+    let folder = folder();
+    let packed = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/packed");
+    for name in ["cubes.ext.glb", "cubes.khr.glb"] {
+        let input = packed.join(name);
+        let [output, stripped] = ["out.glb", "stripped.glb"].map(|name| folder.path().join(name));
+        let told = build(&input, &output, &["--json"]).ok().json();
+        assert_eq!([&told["objects"], &told["triangles"]], [4, 48], "{told}");
+        run(&["validate".as_ref(), output.as_os_str()]).ok();
+        run(&["strip".as_ref(), output.as_os_str(), "-o".as_ref(), stripped.as_os_str()]).ok();
+        assert!(fs::read(&stripped).expect("stripped") == fs::read(&input).expect("packed"), "{name}");
+
+        // A broken stream is told, and nothing is written.
+        let mut broken = fs::read(&input).expect("packed");
+        let json = u32::from_le_bytes(broken[12..16].try_into().expect("a length")) as usize;
+        broken[28 + json] ^= 0xFF;
+        let path = folder.path().join("broken.glb");
+        fs::write(&path, broken).expect("written");
+        let none = folder.path().join("none.glb");
+        build(&path, &none, &[]).fails(1, &["/bufferViews/0", "meshopt_compression", "broken"]);
+        assert!(!none.exists());
+    }
 }
 
 #[test]
@@ -64,6 +127,11 @@ fn reports_tell_of_proxies_and_their_bytes() {
     let proxies = &json["proxies"];
     assert!(proxies["nodes"].as_u64() > Some(0), "{proxies}");
     assert!(proxies["share"].as_f64().is_some_and(|share| share > 0.0 && share <= 0.2), "{proxies}");
+    let fewer = folder.path().join("fewer.glb");
+    let words = ["--proxies", "auto", "--proxy-triangles", "500", "--proxy-share", "5", "--json"];
+    let fewer = build(&plant(), &fewer, &words).ok().json();
+    let share = fewer["proxies"]["share"].as_f64().expect("a share");
+    assert!(share > 0.0 && share <= 0.05, "{fewer}");
     // What is reported is about what the file grew by, and not less.
     let without = folder.path().join("without.glb");
     build(&plant(), &without, &["-q"]).ok();
@@ -156,6 +224,25 @@ fn simplified_meshes_are_named_for_other_loaders_and_stripped_again() {
     }
     assert_eq!(nodes[carriers[0]]["extras"]["id"], "a");
     run(&["validate".as_ref(), one.as_os_str()]).ok();
+
+    // That of the file itself counts too.
+    let info = run(&["info".as_ref(), one.as_os_str(), "--json".as_ref()]).ok().json();
+    let versions = told["appended"].as_u64().expect("appended") + 1;
+    assert_eq!(
+        [&info["msft_lod"]["nodes"], &info["msft_lod"]["versions"]],
+        [all as u64 - 1, versions],
+        "{info}"
+    );
+    let shown: std::collections::BTreeSet<u64> =
+        lods(&baked).iter().filter_map(|&node| nodes[node]["mesh"].as_u64()).collect();
+    assert_eq!(info["msft_lod"]["meshes"], shown.len());
+    let text = run(&["info".as_ref(), one.as_os_str()]).ok().stdout;
+    assert!(text.contains(&format!("MSFT_lod: {} nodes with", all - 1)), "{text}");
+    let text = run(&["info".as_ref(), scene.as_os_str()]).ok().stdout;
+    assert!(
+        text.contains("no baked visibility") && text.contains("MSFT_lod: 1 node with 1 mesh, 1 version"),
+        "{text}"
+    );
 
     build(&one, &two, &[&options[..], &["-q", "--threads", "1"]].concat()).ok();
     assert!(

@@ -77,7 +77,7 @@ fn colours_tell_proxies_and_how_much_their_error_counts() {
     let picked = &stand.dump("picked.json")["picked"];
     if !picked.is_null() {
         let why = picked["why"].as_str().expect("a reason");
-        assert!(why.starts_with("drawn through a proxy of"), "{why}");
+        assert!(why.starts_with("drawn as a proxy of") && why.contains(" objects (error "), "{why}");
     }
 }
 

@@ -57,6 +57,12 @@ export function plant() {
     return baked(join(root, 'samples/plant.glb'), 'plant.svs.glb');
 }
 
+/** The sample with compressed proxies. */
+export function plantWithCompressedProxies() {
+    const options = ['--proxies', 'auto', '--proxy-format', 'meshopt'];
+    return baked(join(root, 'samples/plant.glb'), 'plant-meshopt.svs.glb', options);
+}
+
 /** The sample with proxies. */
 export function plantWithProxies() {
     return baked(join(root, 'samples/plant.glb'), 'plant-proxies.svs.glb', ['--proxies', 'auto']);

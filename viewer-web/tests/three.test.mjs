@@ -5,7 +5,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { launch, serve } from './browser.mjs';
 import { compare, picture } from './pictures.mjs';
-import { outputs, plant, plantWithProxies, root, shared } from './scenes.mjs';
+import { outputs, plant, plantWithCompressedProxies, plantWithProxies, root, shared } from './scenes.mjs';
 
 // Pictures with the plugin against pictures without it, at quality 0.75, which drops nothing for its size: what is missing is what
 // no ray of a draft bake has seen.
@@ -258,6 +258,29 @@ test('proxies are drawn', async () => {
     // Simplified and painted in one colour per object: alike, not equal.
     assert(ssim >= 0.9, `SSIM ${ssim}`);
     assert.deepEqual(problems, []);
+    await page.close();
+});
+
+test('compressed proxies are drawn; without a decoder the objects are', async () => {
+    plantWithCompressedProxies();
+    const { page, problems } = await open('/scenes/plant-meshopt.svs.glb');
+    await look(page, 0.5, 4);
+    await set(page, 'budget', '8000');
+    const drawn = await draw(page);
+    assert(drawn.statistics.proxies > 0 && drawn.triangles <= 8000, JSON.stringify(drawn.statistics));
+    assert.deepEqual(problems, []);
+
+    const message = await page.evaluate(async () => {
+        const { example } = /** @type {any} */ (window);
+        example.loader.setMeshoptDecoder(null);
+        await example.load('/scenes/plant-meshopt.svs.glb');
+        return example.message;
+    });
+    const { statistics, baked } = await draw(page);
+    assert.equal(baked, true);
+    assert(statistics.drawn > 0 && statistics.proxies === 0, JSON.stringify(statistics));
+    assert.match(message, /setMeshoptDecoder/);
+    assert.match(problems.join(), /proxies cannot be used .*setMeshoptDecoder.*; drawn without them/);
     await page.close();
 });
 

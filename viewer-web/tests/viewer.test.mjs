@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { launch } from './browser.mjs';
 import { compare, picture } from './pictures.mjs';
-import { baked, plant, plantWithProxies, root, run, shared, target } from './scenes.mjs';
+import { baked, plant, plantWithCompressedProxies, plantWithProxies, root, run, shared, target } from './scenes.mjs';
 import { SQUARES, textured } from './textured.mjs';
 
 // What the visibility of a draft bake leaves out of a picture, at a quality that drops nothing for its size.
@@ -315,6 +315,15 @@ test('a file arranged for streaming comes in parts and ends as the whole one', a
     assert.deepEqual([...problems, ...whole.problems], []);
     await page.close();
     await whole.page.close();
+});
+
+test('compressed proxies are left out, and the page says so', async () => {
+    const { page, problems } = await open(await serve(plantWithCompressedProxies()), 'webgl');
+    const figures = await settled(page);
+    assert(figures.baked && figures.draws > 0 && !figures.hasProxies, JSON.stringify(figures));
+    assert.match(figures.notice, /the proxies cannot be used .*EXT_meshopt_compression.*; shown without them/);
+    assert.deepEqual(problems, []);
+    await page.close();
 });
 
 test('on a phone the controls fold, and every one has a name', async () => {

@@ -39,6 +39,16 @@ function instanceMatrix(mesh, instance) {
     return matrix;
 }
 
+/**
+ * The document with a bake that has no proxies and no simplified meshes.
+ * @param {any} json
+ */
+function withoutProxies(json) {
+    const { meshLevels, ...extension } = json.extensions.EXT_spherical_visibility;
+    extension.trees = extension.trees.map((/** @type {any} */ { proxies, ...tree }) => tree);
+    return { ...json, extensions: { ...json.extensions, EXT_spherical_visibility: extension } };
+}
+
 const NOTHING = {
     candidates: 0, candidateTriangles: 0, drawn: 0, proxies: 0, levels: 0, triangles: 0, droppedPixels: 0, spheresUsed: 0,
     objectsTested: 0, batches: 0, singles: 0, cullMilliseconds: 0,
@@ -118,17 +128,36 @@ export class SphericalVisibilityPlugin {
         gltf.userData.sphericalVisibility = this;
         const parser = this.#parser;
         try {
-            const visibility = await VisibilityScene.fromGltf(parser.json, (index) => parser.getDependency('bufferView', index));
+            const { visibility, notice } = await this.#read();
             const root = visibility === null ? undefined : gltf.scenes[visibility.scene];
             if (visibility === null || root === undefined) return;
             await this.#prepare(visibility, root);
-            this.notice = visibility.notice;
+            this.notice = notice;
         } catch (error) {
             this.visibility = null;
             this.#route.active = null;
             this.notice = `EXT_spherical_visibility: ${error instanceof Error ? error.message : error}; drawn as without it`;
         }
         if (this.notice !== null) console.warn(this.notice);
+    }
+
+    /** The file's bake, without its proxies if their meshes cannot be loaded: compressed ones need a decoder. */
+    async #read() {
+        const parser = this.#parser;
+        /** @param {any} json */
+        const read = (json) => VisibilityScene.fromGltf(json, (index) => parser.getDependency('bufferView', index));
+        const visibility = await read(parser.json);
+        try {
+            for (const { mesh } of visibility?.extras ?? []) await parser.getDependency('mesh', mesh);
+        } catch (error) {
+            visibility?.dispose();
+            const reason = error instanceof Error ? error.message : error;
+            return {
+                visibility: await read(withoutProxies(parser.json)),
+                notice: `EXT_spherical_visibility: the proxies cannot be used (${reason}); drawn without them`,
+            };
+        }
+        return { visibility, notice: visibility?.notice ?? null };
     }
 
     /**

@@ -271,8 +271,15 @@ impl Layout {
         ((end.pixels - first.pixels).max(0.0), end.triangles - first.triangles)
     }
 
+    /// The slot of a position; `None` if nothing is visible there.
+    pub(crate) fn slot_at(&self, entry: &Entry, position: u32) -> Option<usize> {
+        let slots = entry.slots();
+        let at = self.slots[slots.clone()].binary_search_by_key(&position, |slot| slot.position);
+        Some(slots.start + at.ok()?)
+    }
+
     /// The entry of a placed tree, or of the loose objects for [`NONE`].
-    fn find(&self, placed: u32) -> Option<&Entry> {
+    pub(crate) fn find(&self, placed: u32) -> Option<&Entry> {
         let last = self.entry_of.len().checked_sub(1)?;
         let index = self.entry_of[(placed as usize).min(last)];
         self.entries.get(index as usize)
@@ -287,8 +294,7 @@ impl Frame {
 
     /// State of the object at a position; `None` if it was not visible.
     pub(crate) fn slot_state(&self, placed: u32, position: u32) -> Option<u8> {
-        let slots = self.layout.find(placed)?.slots();
-        let at = self.layout.slots[slots.clone()].binary_search_by_key(&position, |slot| slot.position);
-        Some(self.states.slots[slots.start + at.ok()?])
+        let entry = self.layout.find(placed)?;
+        Some(self.states.slots[self.layout.slot_at(entry, position)?])
     }
 }

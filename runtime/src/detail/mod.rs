@@ -7,6 +7,7 @@ mod history;
 mod hull;
 mod metric;
 pub(crate) mod mu;
+mod outcome;
 mod tables;
 mod view;
 mod within;
@@ -24,6 +25,7 @@ use view::Scene;
 use within::{Search, Within};
 
 pub use metric::Metric;
+pub use outcome::Outcome;
 pub use tables::Level;
 
 /// How coarse things may be.
@@ -114,6 +116,12 @@ impl DetailState {
         self.asked = None;
     }
 
+    /// Other loose objects have come.
+    pub(crate) fn forget_loose(&mut self) {
+        self.tables.forget_loose();
+        self.forget();
+    }
+
     /// A frame was drawn otherwise.
     pub(crate) fn forget(&mut self) {
         self.frame.layout.clear();
@@ -123,7 +131,7 @@ impl DetailState {
 
 impl SceneCuller {
     /// What to draw for a camera in world space: of all that [`Self::cull`] answers the originals, or simplified levels of
-    /// them ([`Self::set_levels`]) or proxies of whole groups where their visible error is at most `detail.tau` pixels, and
+    /// them ([`Self::set_levels`], [`Self::set_loose_levels`]) or proxies of whole groups where their visible error is at most `detail.tau` pixels, and
     /// never more than the budget allows. Allocates nothing once it has seen the most it will ever draw.
     ///
     /// The visible error is the geometric error as it appears in the middle of the image at the nearest point of the

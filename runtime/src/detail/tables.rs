@@ -3,7 +3,7 @@
 use crate::bounds::BoundsError;
 use crate::deviation::Deviation;
 use crate::mesh_levels::MOST_LEVELS;
-use crate::scene::SceneCuller;
+use crate::scene::{LOOSE, SceneCuller};
 
 /// One simplified version of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub struct Level {
     /// Triangles.
     pub triangles: u32,
     /// Geometric error, metres of tree space: that of [`crate::MeshLevel`] times the largest singular value of the linear
-    /// part of the object's transform in its tree.
+    /// part of the object's transform in its tree; for a loose object the same in world space.
     pub error: f32,
     /// How much of the original it shows wrong: that of [`crate::MeshLevel`], its lengths times the same.
     pub deviation: Deviation,
@@ -29,8 +29,37 @@ impl Level {
 pub(crate) struct Tables {
     /// Per tree, per proxy; empty where they are not known.
     proxies: Vec<Vec<u32>>,
-    /// Per tree: where each object's levels start, and one more; empty without levels.
-    levels: Vec<(Vec<u32>, Vec<Level>)>,
+    /// Per tree.
+    levels: Vec<LevelTable>,
+    /// Those of loose objects.
+    loose: LevelTable,
+}
+
+/// Where each object's levels start, and one more; and all levels. Empty without levels.
+type LevelTable = (Vec<u32>, Vec<Level>);
+
+/// What is wrong with levels.
+enum Wrong {
+    Starts,
+    Object(usize),
+}
+
+/// Checks the levels of so many objects.
+fn check(starts: &[u32], levels: &[Level], objects: usize) -> Result<LevelTable, Wrong> {
+    let whole = starts.first() == Some(&0) && starts.last().is_some_and(|&end| end as usize == levels.len());
+    if starts.len() != objects + 1 || !whole {
+        return Err(Wrong::Starts);
+    }
+    for (object, range) in starts.windows(2).enumerate() {
+        let of_object = levels.get(range[0] as usize..range[1] as usize).ok_or(Wrong::Starts)?;
+        let finite = of_object.iter().all(|level| level.deviation.is_valid(level.error));
+        let coarser =
+            |pair: &[Level]| pair[1].error >= pair[0].error && pair[1].triangles <= pair[0].triangles;
+        if of_object.len() > MOST_LEVELS || !finite || !of_object.windows(2).all(coarser) {
+            return Err(Wrong::Object(object));
+        }
+    }
+    Ok((starts.to_vec(), levels.to_vec()))
 }
 
 impl Tables {
@@ -40,7 +69,7 @@ impl Tables {
 
     /// First of an object's levels, and how many have fewer triangles than the original up to the coarsest.
     pub(crate) fn levels(&self, tree: u32, object: u32, original: u32) -> (u32, u8) {
-        let Some((starts, levels)) = self.levels.get(tree as usize) else { return (0, 0) };
+        let Some((starts, levels)) = self.of_tree(tree) else { return (0, 0) };
         let (Some(&first), Some(&end)) = (starts.get(object as usize), starts.get(object as usize + 1))
         else {
             return (0, 0);
@@ -52,7 +81,17 @@ impl Tables {
 
     /// `level` from 1, of an object whose first level is at `first`.
     pub(crate) fn level(&self, tree: u32, first: u32, level: u8) -> &Level {
-        &self.levels[tree as usize].1[first as usize + usize::from(level) - 1]
+        let table = if tree == LOOSE { &self.loose } else { &self.levels[tree as usize] };
+        &table.1[first as usize + usize::from(level) - 1]
+    }
+
+    fn of_tree(&self, tree: u32) -> Option<&LevelTable> {
+        if tree == LOOSE { Some(&self.loose) } else { self.levels.get(tree as usize) }
+    }
+
+    /// Other loose objects have come.
+    pub(crate) fn forget_loose(&mut self) {
+        self.loose = LevelTable::default();
     }
 }
 
@@ -88,25 +127,30 @@ impl SceneCuller {
         let index = tree as usize;
         let placed = self.find(tree, 0).ok_or(BoundsError::NoTree { tree: index })?;
         let objects = self.placed[placed].instance.tree.object_count();
-        let whole =
-            starts.first() == Some(&0) && starts.last().is_some_and(|&end| end as usize == levels.len());
-        if starts.len() != objects + 1 || !whole {
-            return Err(BoundsError::LevelStarts { tree: index });
-        }
-        for (object, range) in starts.windows(2).enumerate() {
-            let of_object = levels.get(range[0] as usize..range[1] as usize);
-            let of_object = of_object.ok_or(BoundsError::LevelStarts { tree: index })?;
-            let finite = of_object.iter().all(|level| level.deviation.is_valid(level.error));
-            let coarser =
-                |pair: &[Level]| pair[1].error >= pair[0].error && pair[1].triangles <= pair[0].triangles;
-            if of_object.len() > MOST_LEVELS || !finite || !of_object.windows(2).all(coarser) {
-                return Err(BoundsError::Levels { tree: index, object });
-            }
-        }
+        let table = check(starts, levels, objects).map_err(|wrong| match wrong {
+            Wrong::Starts => BoundsError::LevelStarts { tree: index },
+            Wrong::Object(object) => BoundsError::Levels { tree: index, object },
+        })?;
         self.detail.ask_again();
         let all = &mut self.detail.tables.levels;
         all.resize(all.len().max(index + 1), Default::default());
-        all[index] = (starts.to_vec(), levels.to_vec());
+        all[index] = table;
+        Ok(())
+    }
+
+    /// Simplified versions of loose objects, in their order of [`Self::set_loose`], as of a tree's in [`Self::set_levels`];
+    /// errors in metres of world space. They are forgotten when other loose objects are set. Objects that deform must have
+    /// none.
+    ///
+    /// # Errors
+    /// [`BoundsError`] for the same as in [`Self::set_levels`]; the levels are then those of before.
+    pub fn set_loose_levels(&mut self, starts: &[u32], levels: &[Level]) -> Result<(), BoundsError> {
+        let table = check(starts, levels, self.loose.order().len()).map_err(|wrong| match wrong {
+            Wrong::Starts => BoundsError::LooseLevelStarts,
+            Wrong::Object(object) => BoundsError::LooseLevels { object },
+        })?;
+        self.detail.ask_again();
+        self.detail.tables.loose = table;
         Ok(())
     }
 }

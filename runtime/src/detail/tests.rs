@@ -14,6 +14,9 @@ use crate::tables::TreeTables;
 use crate::tree::{Placement, Tree};
 use glam::{DVec3, Vec3};
 
+mod loose;
+mod outcomes;
+
 /// splitmix64.
 struct Random(u64);
 

@@ -6,7 +6,7 @@ use super::mu::{Shape, distance};
 use super::{Detail, Tables};
 use crate::loose::Loose;
 use crate::proxies::ProxyNode;
-use crate::scene::Placed;
+use crate::scene::{LOOSE, Placed};
 use crate::within::Candidate;
 use std::ops::Range;
 
@@ -165,7 +165,7 @@ impl Scene<'_> {
             }
             None => {
                 let bounds = self.loose.bounds(candidate.key.1 as usize);
-                (bounds, Shape::of_box(bounds), (0, 0))
+                (bounds, Shape::of_box(bounds), self.tables.levels(LOOSE, place, candidate.triangles))
             }
         };
         let ratio = self.detail.metric.ratio(shape.mu(pixels, &entry.local, false));

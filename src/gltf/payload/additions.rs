@@ -34,6 +34,22 @@ pub struct View {
     pub stride: Option<u32>,
     /// glTF `target`: 34962 vertices, 34963 indices.
     pub target: Option<u32>,
+    /// How `bytes` are compressed, if they are.
+    pub compression: Option<Compression>,
+}
+
+/// Properties of `EXT_meshopt_compression` on a buffer view. The buffer that the view itself names is then a fallback
+/// without bytes, so the extension must be required.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Compression {
+    /// `ATTRIBUTES` or `TRIANGLES`.
+    pub mode: &'static str,
+    /// `OCTAHEDRAL` or `EXPONENTIAL`, if anything is done after decoding.
+    pub filter: Option<&'static str>,
+    /// Bytes of a decoded element.
+    pub stride: usize,
+    /// Elements.
+    pub count: usize,
 }
 
 impl Additions {
@@ -84,7 +100,12 @@ mod tests {
         });
         let accessor = json!({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"});
         let additions = Additions {
-            views: vec![View { bytes: vec![1; 36], stride: Some(12), target: Some(34962) }],
+            views: vec![View {
+                bytes: vec![1; 36],
+                stride: Some(12),
+                target: Some(34962),
+                compression: None,
+            }],
             accessors: vec![accessor],
             materials: vec![json!({"doubleSided": true})],
             meshes: vec![json!({"primitives": [{"attributes": {"POSITION": 1}, "material": 1}]})],

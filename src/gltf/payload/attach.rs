@@ -1,7 +1,8 @@
 //! Adding the payload.
 
-use super::{Additions, CONTAINERS, EXTENSION, Table, lod};
+use super::{Additions, CONTAINERS, Compression, EXTENSION, Table, lod};
 use crate::gltf::buffers::BufferStorage;
+use crate::gltf::compressed::MESHOPT;
 use crate::gltf::document::{Container, Document};
 use crate::gltf::error::AttachError;
 use crate::gltf::kinds::{AccessorKind, ComponentType};
@@ -59,9 +60,14 @@ pub fn attach_with(
     let (bytes, offsets) = pack(blocks.chain((!tables.is_empty()).then_some(table_bytes.as_slice())));
     if !bytes.is_empty() {
         let (buffer, start) = append_bytes(document, &bytes, &mut before);
+        let mut fallback = Fallback { buffer: document.buffers.len(), length: 0 };
         for (view, offset) in additions.views.iter().zip(&offsets) {
-            let mut new =
+            let place =
                 json!({"buffer": buffer, "byteOffset": start + offset, "byteLength": view.bytes.len()});
+            let mut new = match &view.compression {
+                None => place,
+                Some(compression) => fallback.view(compression, place),
+            };
             if let Some(stride) = view.stride {
                 new["byteStride"] = stride.into();
             }
@@ -70,6 +76,7 @@ pub fn attach_with(
             }
             push(&mut document.json, "bufferViews", new);
         }
+        fallback.attach(document);
         if let (false, Some(offset)) = (tables.is_empty(), offsets.last()) {
             let new =
                 json!({"buffer": buffer, "byteOffset": start + offset, "byteLength": table_bytes.len()});
@@ -90,6 +97,7 @@ pub fn attach_with(
         extras["before"] = Value::Object(before);
     }
     document.json["extensions"][EXTENSION] = Value::Object(extension);
+    document.views_changed();
     Ok((first..first + tables.len()).collect())
 }
 
@@ -239,6 +247,38 @@ fn append_bytes(document: &mut Document, bytes: &[u8], before: &mut Map<String, 
     document.buffers.push(bytes.to_vec());
     document.storage.push(storage);
     (document.buffers.len() - 1, 0)
+}
+
+/// The buffer that compressed views name beside the one with their bytes: it has a length, and nothing in it.
+struct Fallback {
+    buffer: usize,
+    length: usize,
+}
+
+impl Fallback {
+    /// A view in it, whose compressed bytes are at `place`.
+    fn view(&mut self, compression: &Compression, mut place: Value) -> Value {
+        let Compression { mode, filter, stride, count } = *compression;
+        place["byteStride"] = stride.into();
+        place["mode"] = mode.into();
+        if let Some(filter) = filter {
+            place["filter"] = filter.into();
+        }
+        place["count"] = count.into();
+        let offset = self.length.next_multiple_of(4);
+        self.length = offset + stride * count;
+        json!({"buffer": self.buffer, "byteOffset": offset, "byteLength": stride * count, "extensions": {MESHOPT: place}})
+    }
+
+    /// Appends it, if there are views in it.
+    fn attach(self, document: &mut Document) {
+        if self.length > 0 {
+            let buffer = json!({"byteLength": self.length, "extensions": {MESHOPT: {"fallback": true}}});
+            push(&mut document.json, "buffers", buffer);
+            document.buffers.push(Vec::new());
+            document.storage.push(BufferStorage::Absent);
+        }
+    }
 }
 
 fn is_file(storage: &BufferStorage) -> bool {

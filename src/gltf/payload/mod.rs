@@ -2,7 +2,8 @@
 //!
 //! Attaching appends one buffer view with all tables, one accessor per table, the root extension and its name in
 //! `extensionsUsed`; and, for a bake with proxies, their buffer views, accessors, materials, meshes and nodes ([`Additions`]), before
-//! the tables. Everything is appended, so nothing of the file is renumbered.
+//! the tables. Everything is appended, so nothing of the file is renumbered. If views are compressed, a fallback buffer without
+//! bytes is appended too.
 //!
 //! The tables' bytes go
 //! - of a GLB: to the end of the BIN chunk; into a new BIN chunk if there is no buffer at all; into a new buffer with a
@@ -24,7 +25,7 @@ mod attach;
 pub(crate) mod lod;
 mod strip;
 
-pub use additions::{Additions, View};
+pub use additions::{Additions, Compression, View};
 pub use attach::{attach, attach_with};
 pub use lod::NodeLevels;
 pub use strip::strip;

@@ -2,6 +2,8 @@
 
 use super::lod::OwnNodes;
 use super::{CONTAINERS, EXTENSION};
+use crate::gltf::buffers::BufferStorage;
+use crate::gltf::compressed::MESHOPT;
 use crate::gltf::document::Document;
 use crate::gltf::json;
 use serde_json::{Map, Value};
@@ -61,6 +63,7 @@ pub fn strip(document: &mut Document) -> bool {
             }
         }
     }
+    document.views_changed();
     true
 }
 
@@ -91,7 +94,7 @@ fn remove_payload(
 ) -> Option<Vec<&'static str>> {
     let own = Own::find(document, extension, before)?;
     let region = own.region(document, before)?;
-    let last_buffer = region.buffer + 1 == document.buffers.len();
+    let last_buffer = region.buffer + 1 + usize::from(region.fallback) == document.buffers.len();
     let objects = json::array(&document.json, "buffers");
     if [objects.len(), document.storage.len()] != [document.buffers.len(); 2]
         || !objects[region.buffer].is_object()
@@ -108,6 +111,11 @@ fn remove_payload(
             truncate(&mut document.json, key, length);
             touched.push(key);
         }
+    }
+    if region.fallback {
+        document.buffers.pop();
+        document.storage.pop();
+        truncate(&mut document.json, "buffers", document.buffers.len());
     }
     match region.old_length {
         Some(old) => {
@@ -138,6 +146,8 @@ struct Region {
     buffer: usize,
     /// Where the buffer ended before; `None` if it did not exist.
     old_length: Option<usize>,
+    /// The last buffer is the fallback of compressed views.
+    fallback: bool,
 }
 
 impl Own {
@@ -186,15 +196,34 @@ impl Own {
 
     fn region(&self, document: &Document, before: &Map<String, Value>) -> Option<Region> {
         let views = json::array(&document.json, "bufferViews");
-        let buffer = json::index(views.get(self.views)?.get("buffer")?)?;
+        let is_fallback = |buffer: usize| {
+            let last = buffer + 1 == document.buffers.len();
+            last && document.buffer_storage(buffer) == Some(&BufferStorage::Absent)
+        };
+        let mut buffer = None;
+        let mut fallback = false;
         let (mut start, mut end) = (usize::MAX, 0);
         for view in &views[self.views..] {
-            if json::index(view.get("buffer")?)? != buffer {
+            let view = match view.get("extensions").and_then(|all| all.get(MESHOPT)) {
+                None => view,
+                Some(stored) if is_fallback(json::index(view.get("buffer")?)?) => {
+                    fallback = true;
+                    stored
+                }
+                Some(_) => return None,
+            };
+            let own = json::index(view.get("buffer")?)?;
+            if *buffer.get_or_insert(own) != own {
                 return None;
             }
             let offset = view.get("byteOffset").map_or(Some(0), json::index)?;
             start = start.min(offset);
             end = end.max(offset.checked_add(json::index(view.get("byteLength")?)?)?);
+        }
+        let buffer = buffer?;
+        let used_by_others = |buffer| views[..self.views].iter().any(|view| end_in(view, buffer).is_some());
+        if fallback && (buffer + 1 == document.buffers.len() || used_by_others(document.buffers.len() - 1)) {
+            return None;
         }
         let others = views[..self.views].iter().filter_map(|view| end_in(view, buffer));
         let free_from = others.max().unwrap_or(0);
@@ -205,7 +234,7 @@ impl Own {
         if end != document.buffers.get(buffer)?.len() || free_from > old_length.unwrap_or(0) {
             return None;
         }
-        Some(Region { buffer, old_length })
+        Some(Region { buffer, old_length, fallback })
     }
 }
 

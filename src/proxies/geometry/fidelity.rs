@@ -128,3 +128,207 @@ impl Target {
         Some(sums)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::class::{Class, PlainClass};
+    use super::super::measure::{Reference, places};
+    use super::*;
+    use proptest::prelude::*;
+
+    const WHITE: [u8; 4] = [255; 4];
+
+    fn plain() -> Class {
+        Class::Plain(PlainClass {
+            blend: false,
+            double_sided: false,
+            unlit: false,
+            metallic: 0,
+            roughness: 20,
+            emissive: [0; 3],
+            brightness: 0,
+            flat: true,
+        })
+    }
+
+    /// Triangles of a colour each.
+    fn soup(triangles: &[([[f32; 3]; 3], [u8; 4])], class: Class) -> Soup {
+        let positions: Vec<[f32; 3]> = triangles.iter().flat_map(|(corners, _)| *corners).collect();
+        let count = positions.len();
+        Soup {
+            colors: triangles.iter().flat_map(|(_, color)| [*color; 3]).collect(),
+            normals: vec![[0.0; 3]; count],
+            uvs: vec![[0.0; 2]; count],
+            vertex_class: vec![0; count],
+            indices: (0..count as u32).collect(),
+            classes: vec![class],
+            positions,
+        }
+    }
+
+    /// A square metre at a height, facing up.
+    fn square(z: f32, color: [u8; 4]) -> [([[f32; 3]; 3], [u8; 4]); 2] {
+        let [a, b, c, d] = [[0.0, 0.0, z], [1.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]];
+        [([a, b, c], color), ([a, c, d], color)]
+    }
+
+    fn compared(original: &Soup, simplified: &Soup) -> (f64, Fidelity) {
+        Reference::of_soup(original, 1000).compare(simplified, None)
+    }
+
+    #[track_caller]
+    fn near(found: (f64, Fidelity), max: f64, mean: f64, rms: f64, wrong: f64) {
+        let (found_max, Fidelity { mean: found_mean, rms: found_rms, wrong: found_wrong }) = found;
+        for (found, expected) in
+            [(found_max, max), (found_mean, mean), (found_rms, rms), (found_wrong, wrong)]
+        {
+            assert!((found - expected).abs() < 1e-6, "{found} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn a_plane_that_is_moved_is_off_everywhere_by_as_much() {
+        let original = soup(&square(0.0, WHITE), plain());
+        near(compared(&original, &original), 0.0, 0.0, 0.0, 0.0);
+        for d in [0.5, -0.25, 1e-3] {
+            let moved = soup(&square(d, WHITE), plain());
+            let d = f64::from(d.abs());
+            near(compared(&original, &moved), d, d, d, 0.0);
+        }
+    }
+
+    #[test]
+    fn half_of_a_surface_that_is_gone_counts_by_half_of_the_area() {
+        // Two sheets, one above the other; what stays is one of them.
+        let both = soup(&[square(0.0, WHITE), square(0.5, WHITE)].concat(), plain());
+        let one = soup(&square(0.0, WHITE), plain());
+        near(compared(&both, &one), 0.5, 0.25, 0.5 / 2.0_f64.sqrt(), 0.0);
+        // The other way about something is there that should not be.
+        near(compared(&one, &both), 0.5, 0.25, 0.5 / 2.0_f64.sqrt(), 0.0);
+        // All of it: the diagonal of its box, and all wrong.
+        let nothing = soup(&[], plain());
+        let diagonal = 2.25_f64.sqrt();
+        near(compared(&both, &nothing), diagonal, diagonal, diagonal, 1.0);
+        near(compared(&nothing, &nothing), 0.0, 0.0, 0.0, 0.0);
+    }
+
+    #[test]
+    fn colours_count_as_the_eye_sees_them() {
+        let original = soup(&square(0.0, WHITE), plain());
+        let painted = |color| compared(&original, &soup(&square(0.0, color), plain()));
+        // A quarter of black against white is all wrong; square roots of linear values.
+        let part = (1.0 - (207.0_f64 / 255.0).sqrt()) / 0.25;
+        near(painted([207, 207, 207, 255]), 0.0, 0.0, 0.0, part);
+        near(painted([207, 255, 255, 255]), 0.0, 0.0, 0.0, part / 3.0);
+        near(painted([0, 0, 0, 255]), 0.0, 0.0, 0.0, 1.0);
+        near(painted([64, 64, 64, 255]), 0.0, 0.0, 0.0, 1.0);
+        // What covers less shows less of its colour.
+        near(painted([255, 255, 255, 230]), 0.0, 0.0, 0.0, (25.0 / 255.0) / 0.25);
+        // One of its two triangles.
+        let mut half = square(0.0, WHITE);
+        half[1].1 = [0, 0, 0, 255];
+        near(compared(&original, &soup(&half, plain())), 0.0, 0.0, 0.0, 0.5);
+    }
+
+    #[test]
+    fn faces_turned_over_and_other_textures_are_all_wrong() {
+        let original = soup(&square(0.0, WHITE), plain());
+        let turned = square(0.0, WHITE).map(|([a, b, c], color)| ([a, c, b], color));
+        near(compared(&original, &soup(&turned, plain())), 0.0, 0.0, 0.0, 1.0);
+        let kept = |material| soup(&square(0.0, WHITE), Class::Kept { material, flat: true });
+        near(compared(&kept(3), &kept(3)), 0.0, 0.0, 0.0, 0.0);
+        near(compared(&kept(3), &kept(4)), 0.0, 0.0, 0.0, 1.0);
+        near(compared(&original, &kept(3)), 0.0, 0.0, 0.0, 1.0);
+    }
+
+    #[test]
+    fn the_loss_is_by_pixels_and_of_what_is_not_wrong() {
+        let original = soup(&square(0.0, WHITE), plain());
+        let places = places(&original, &looks(&original), 100);
+        let loss = |z: f32, color, pixel| {
+            Target::new(&soup(&square(z, color), plain())).compare(&places, pixel).expect("triangles").loss
+        };
+        let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-6, "{found}");
+        // Off by 8 pixels is half wrong, by 24 three quarters.
+        close(loss(1.0, WHITE, 0.125), 0.5);
+        close(loss(1.0, WHITE, 1.0 / 24.0), 0.75);
+        close(loss(0.0, WHITE, 1.0), 0.0);
+        let part = (1.0 - (207.0_f64 / 255.0).sqrt()) / 0.25;
+        close(loss(1.0, [207, 207, 207, 255], 0.125), 1.0 - 0.5 * (1.0 - part));
+        // A pixel without size: off by anything is all wrong.
+        close(loss(1.0, WHITE, 0.0), 1.0);
+        let nothing = Target::new(&soup(&[], plain()));
+        assert!(nothing.compare(&places, 1.0).is_none() && nothing.nearest(&places).is_empty());
+        assert!(Target::new(&original).compare(&[], 1.0).is_none());
+    }
+
+    #[test]
+    fn the_worse_of_each_figure_counts() {
+        let a = Fidelity { mean: 1.0, rms: 5.0, wrong: 0.2 };
+        let b = Fidelity { mean: 2.0, rms: 3.0, wrong: 0.1 };
+        assert_eq!(a.max(b), Fidelity { mean: 2.0, rms: 5.0, wrong: 0.2 });
+    }
+
+    #[test]
+    fn thinned_places_keep_the_area() {
+        let place =
+            |k: u32, area: f32| Place { point: [k as f32, 0.0, 0.0], look: TriangleLook::default(), area };
+        // The first tenth has half of the area.
+        let places: Vec<Place> = (0..1000).map(|k| place(k, if k < 100 { 9.0 } else { 1.0 })).collect();
+        let thin = thinned(&places, 60);
+        assert_eq!(thin.len(), 60);
+        let area: f64 = thin.iter().map(|place| f64::from(place.area)).sum();
+        assert!((area - 1800.0).abs() < 1e-3, "{area}");
+        assert_eq!(thin.iter().filter(|place| place.point[0] < 100.0).count(), 30);
+        assert_eq!(thinned(&places, 1000), places);
+        // One large place stands for several.
+        let few = [place(0, 1e6), place(1, 1.0), place(2, 1.0)];
+        assert!(thinned(&few, 2).iter().all(|place| place.point[0] == 0.0));
+        let none: Vec<Place> = (0..5).map(|k| place(k, 0.0)).collect();
+        assert_eq!(thinned(&none, 2), none, "nothing to weigh them by");
+    }
+
+    #[test]
+    fn moved_places_keep_everything_else() {
+        let place = Place { point: [1.0, 2.0, 3.0], look: TriangleLook::default(), area: 2.0 };
+        let moved: Vec<Place> = moved(&[place], DVec3::new(0.5, -2.0, 1e3)).collect();
+        assert_eq!(moved, [Place { point: [1.5, 0.0, 1003.0], ..place }]);
+    }
+
+    fn triangles() -> impl Strategy<Value = Vec<([[f32; 3]; 3], [u8; 4])>> {
+        // On a grid: moving by whole numbers rounds nothing.
+        let coordinate = (-512..512_i32).prop_map(|c| c as f32 / 512.0);
+        let corner = prop::array::uniform3(coordinate);
+        prop::collection::vec((prop::array::uniform3(corner), any::<[u8; 4]>()), 1..12)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        #[test]
+        fn scaling_and_moving_changes_nothing_but_lengths(
+            original in triangles(),
+            simplified in triangles(),
+            exponent in -12..12_i32,
+            by in prop::array::uniform3(-32..32_i32),
+        ) {
+            let scale = 2.0_f64.powi(exponent);
+            let at = |p: [f32; 3]| [0, 1, 2].map(|k| (p[k] + by[k] as f32) * scale as f32);
+            let placed = |triangles: &[([[f32; 3]; 3], [u8; 4])]| {
+                let placed: Vec<_> = triangles.iter().map(|(corners, color)| (corners.map(at), *color)).collect();
+                soup(&placed, plain())
+            };
+            let (max, plain_fidelity) = compared(&soup(&original, plain()), &soup(&simplified, plain()));
+            let (placed_max, moved) = compared(&placed(&original), &placed(&simplified));
+            let Fidelity { mean, rms, wrong } = plain_fidelity;
+            prop_assert!([max, mean, rms, wrong].iter().all(|figure| figure.is_finite() && *figure >= 0.0));
+            prop_assert!(mean <= rms * (1.0 + 1e-9) && rms <= max * (1.0 + 1e-9) && wrong <= 1.0);
+            // Places of the moved surface are rounded: to 2e-6, of lengths of about 1.
+            for (found, expected) in [(placed_max, max), (moved.mean, mean), (moved.rms, rms)] {
+                prop_assert!((found / scale - expected).abs() < 1e-4, "{} {expected}", found / scale);
+            }
+            // A place that is about as near to two triangles may take the other one's look.
+            prop_assert!((moved.wrong - wrong).abs() < 0.02, "{} {wrong}", moved.wrong);
+        }
+    }
+}

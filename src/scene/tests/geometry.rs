@@ -196,8 +196,10 @@ fn compressed_geometry_names_the_way_out() {
             "scenes": [{"nodes": [0]}]
         });
         let doc = crate::gltf::Document::from_parts(json, Some(vec![0; 4])).unwrap();
+        // There is a decoder; what it gets here is nothing.
         let error = crate::scene::read_scene(&doc, &Default::default()).unwrap_err();
-        assert!(matches!(error, SceneError::Compressed { extension, .. } if extension == name));
+        assert!(matches!(&error, SceneError::Accessor { .. }), "{error}");
+        assert!(error.to_string().contains(&format!("/bufferViews/0/extensions/{name}/count")), "{error}");
     }
 }
 

@@ -94,6 +94,10 @@ fn mesh_levels() {
     };
     expect(json!({"mesh": 7, "error": 0.5}), "UNRESOLVED_REFERENCE", "mesh");
     expect(json!({"mesh": 1, "error": 1e300}), "MESH_LEVELS_INVALID", "error");
+    for deviation in [[0.2, 0.1, 0.0], [0.1, 0.6, 0.0], [0.1, 0.2, 1.5]] {
+        let level = json!({"mesh": 1, "error": 0.5, "deviation": deviation});
+        expect(level, "MESH_LEVELS_INVALID", "deviation");
+    }
     let sample = broken(|s| s.json["meshes"][1] = s.json["meshes"][0].clone());
     let at = format!("{ROOT}/meshLevels/0/levels/0/mesh");
     sample.expect(Severity::Error, "MESH_LEVEL_NOT_SIMPLER", &at);

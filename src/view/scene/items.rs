@@ -2,10 +2,11 @@
 
 use super::{Eye, OpenScene, Shown};
 use crate::stage::Extra;
-use crate::view::figures::grouped;
+use crate::view::explain;
 use crate::view::state::State;
 use std::collections::BTreeSet;
 use svs_render::{Frame, Gpu, ItemBuffer, NO_ITEM, Offscreen, RenderError};
+use svs_runtime::Outcome;
 
 /// What is missing, measured.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -90,13 +91,14 @@ impl OpenScene {
         let stands =
             |&id: &u32| self.stage.extra(id).is_some() && self.stage.objects_of(id).contains(&object);
         let id = self.drawn.iter().copied().find(stands)?;
-        let triangles = grouped(u64::from(self.gpu_scene.triangles(id)));
+        let triangles = u64::from(self.gpu_scene.triangles(id));
+        let error = self.stage.outcome(object).and_then(|outcome| match outcome {
+            Outcome::Level { error, .. } | Outcome::Proxy { error, .. } => Some(error),
+            _ => None,
+        });
         Some(match self.stage.extra(id)? {
-            Extra::Level { level, .. } => format!("drawn simplified: level {level}, {triangles} triangles"),
-            Extra::Proxy { .. } => {
-                let objects = grouped(self.stage.objects_of(id).len() as u64);
-                format!("drawn through a proxy of {objects} objects, {triangles} triangles")
-            }
+            Extra::Level { level, .. } => explain::level(level, error, triangles),
+            Extra::Proxy { .. } => explain::proxy(self.stage.objects_of(id).len() as u64, error, triangles),
         })
     }
 }

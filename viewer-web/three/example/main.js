@@ -165,7 +165,7 @@ renderer.setAnimationLoop(isStill ? null : () => {
 
 // For tests and for the console.
 const example = {
-    THREE, renderer, scene, camera, controls, look, draw, pick, select,
+    THREE, loader, renderer, scene, camera, controls, look, draw, pick, select,
     get plugin() { return plugin; },
     get model() { return model; },
     get message() { return element('message').textContent; },

@@ -2,7 +2,7 @@
 //! both.
 
 use super::rows::{Row, column};
-use super::{Bench, Options};
+use super::{Bench, DEFAULT, Options};
 use crate::bench::{at, folder, save};
 use crate::table::{count, markdown, median};
 use serde_json::{Value, json};
@@ -77,7 +77,7 @@ type Step = (u32, [Outcome; 3]);
 
 fn measure(options: &Options, bench: &Bench, name: &str) -> Result<Vec<Step>, String> {
     let scene = bench.public(name)?;
-    let (visible, all) = (bench.bake(scene, "auto")?, bench.bake(scene, "all")?);
+    let (visible, all) = (bench.bake(scene, "auto", DEFAULT)?, bench.bake(scene, "all", DEFAULT)?);
     let mut steps = Vec::new();
     let mut triangles = None;
     for share in SHARES {
@@ -96,9 +96,11 @@ fn measure(options: &Options, bench: &Bench, name: &str) -> Result<Vec<Step>, St
                 methods,
                 "--budget",
                 &budget,
-                // The budget alone decides: nothing is coarser than it has to be.
+                // The budget alone decides: nothing is coarser, or left out for its size, if it need not be.
                 "--detail",
                 "0",
+                "--quality",
+                "0.75",
                 "--passes",
                 "1",
                 "--size",

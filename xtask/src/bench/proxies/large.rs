@@ -1,6 +1,6 @@
 //! A scene of a quarter of a million objects and of triangles that no frame could draw, in full view, within a budget.
 
-use super::{Bench, Options};
+use super::{Bench, DEFAULT, Options};
 use crate::bench::at;
 use crate::table::{count, markdown, short};
 use serde_json::{Value, json};
@@ -66,7 +66,7 @@ pub(super) fn run(options: &Options, bench: &Bench, failed: &mut Vec<String>) ->
 
 fn measure(options: &Options, bench: &Bench) -> Result<Value, String> {
     let (name, copies) = GRID;
-    let scene = bench.bake(&bench.grid(name, copies)?, "auto")?;
+    let scene = bench.bake(&bench.grid(name, copies)?, "auto", DEFAULT)?;
     let arguments = [
         "--methods",
         "budget,proxies",

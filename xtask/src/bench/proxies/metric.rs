@@ -11,7 +11,11 @@ use serde_json::{Value, json};
 struct Class {
     of: &'static str,
     copies: u32,
-    /// Of the sigmoid, as the thesis has them for low, middle and high depth complexity.
+    /// Error that is allowed, pixels: the thesis has 1 of a quadric error, which averages squared distances to planes; ours is
+    /// the largest distance that was measured, many times as much for the same mesh.
+    tau: &'static str,
+    /// Of the sigmoid: as the thesis has them for low, middle and high depth complexity; the last is (0.9, 0.05) there. It tunes
+    /// them by hand for each scene.
     sigmoid: &'static str,
     /// Nodes that the thesis saves, linear and sigmoid, percent.
     saved: [f64; 2],
@@ -24,6 +28,7 @@ const CLASSES: [Class; 3] = [
     Class {
         of: "black-forest",
         copies: 4,
+        tau: "4",
         sigmoid: "sigmoid:0.6,0.2",
         saved: [33.0, 23.0],
         psnr: [46.0, 48.0],
@@ -31,6 +36,7 @@ const CLASSES: [Class; 3] = [
     Class {
         of: "lhcb-detector",
         copies: 7,
+        tau: "6",
         sigmoid: "sigmoid:0.7,0.15",
         saved: [23.0, 15.0],
         psnr: [37.0, 41.0],
@@ -38,7 +44,8 @@ const CLASSES: [Class; 3] = [
     Class {
         of: "medical-clinic",
         copies: 9,
-        sigmoid: "sigmoid:0.9,0.05",
+        tau: "12",
+        sigmoid: "sigmoid:0.8,0.2",
         saved: [49.0, 32.0],
         psnr: [30.0, 34.0],
     },
@@ -47,6 +54,10 @@ const CLASSES: [Class; 3] = [
 /// The methods of `svs evaluate`, and what they are called here.
 const METHODS: [(&str, &str); 3] =
     [("proxies-sse", "SSE"), ("proxies-linear", "VMSSE linear"), ("proxies", "VMSSE sigmoid")];
+
+/// The thesis' hierarchies had a mesh in each node, down to the originals: bytes as they come, and errors fine enough for
+/// close-ups.
+const FINE: (&str, &[&str]) = ("-fine", &["--proxy-share", "100", "--proxy-error", "0.05"]);
 
 /// Frames whose pictures count, as in the thesis.
 const PICTURES: usize = 20;
@@ -63,7 +74,7 @@ pub(super) fn run(options: &Options, bench: &Bench, failed: &mut Vec<String>) ->
         }
     }
     let mut text = String::from(
-        "\nSession of turns from overview to close-up, 640x480, error 1 px; means over its frames, PSNR (mean ± sd) over 20 random \
+        "\nSession of turns from overview to close-up, 640x480; means over its frames, PSNR (mean ± sd) over 20 random \
          ones against SSE alone:\n\n",
     );
     text += &markdown(
@@ -90,7 +101,7 @@ pub(super) fn run(options: &Options, bench: &Bench, failed: &mut Vec<String>) ->
 }
 
 fn measure(options: &Options, bench: &Bench, class: &Class) -> Result<(Value, Vec<Row>), String> {
-    let scene = bench.bake(&bench.grid(class.of, class.copies)?, "auto")?;
+    let scene = bench.bake(&bench.grid(class.of, class.copies)?, "auto", FINE)?;
     bench.evaluate(
         &scene,
         &format!("metric-{}", class.of),
@@ -102,7 +113,7 @@ fn measure(options: &Options, bench: &Bench, class: &Class) -> Result<(Value, Ve
             "--metric",
             class.sigmoid,
             "--detail",
-            "1",
+            class.tau,
             "--tour",
             "inspection",
             "--size",
@@ -120,7 +131,7 @@ fn table_rows(class: &Class, summary: &Value, frames: &[Row]) -> Vec<Vec<String>
     let saved = |method: &str, name: &str| 100.0 * (1.0 - of(method, name) / of(METHODS[0].0, name));
     let row = |(place, &(method, label)): (usize, &(&str, &str))| {
         let mut row = vec![
-            format!("{} x {}, {label}", class.copies, class.of),
+            format!("{} x {}, {} px, {label}", class.copies, class.of, class.tau),
             count(at(summary, "/triangles")),
             count(of(method, "hlod_nodes")),
             count(of(method, "proxies")),
@@ -158,7 +169,7 @@ mod tests {
                    proxies-linear,100,20,1000,4,40,50,60\n\
                    proxies,150,15,3000,6,45,55,65\n";
         let rows = table_rows(&CLASSES[0], &json!({"triangles": 4_342_532}), &read(csv));
-        assert_eq!(rows[0][..6], ["4 x black-forest, SSE", "4,342,532", "200", "10", "4,000", "8.0"]);
+        assert_eq!(rows[0][..6], ["4 x black-forest, 4 px, SSE", "4,342,532", "200", "10", "4,000", "8.0"]);
         assert_eq!(rows[1][6..10], ["50", "33", "75", "50"]);
         assert_eq!(rows[1][10..], ["40.0 ± 0.0", "50.0 ± 0.0", "60.0 ± 0.0", "46"]);
         assert_eq!(rows[2][6..8], ["25", "23"]);

@@ -77,6 +77,9 @@ pub(crate) fn proxies(options: &Options) -> Result<(), String> {
     if failed.is_empty() { Ok(()) } else { Err(format!("not all scenes passed\n{}", failed.join("\n"))) }
 }
 
+/// `svs build` without further options.
+const DEFAULT: (&str, &[&str]) = ("", &[]);
+
 /// Scenes, and where reports go.
 #[derive(Debug)]
 struct Bench {
@@ -105,14 +108,21 @@ impl Bench {
         Ok(file)
     }
 
-    /// The scene baked with proxies (`auto`: of what is visible, `all`: of everything), once.
-    fn bake(&self, scene: &Path, proxies: &str) -> Result<PathBuf, String> {
+    /// The scene baked with proxies (`auto`: of what is visible, `all`: of everything), once. Other `options` of `svs build`
+    /// have a `tag` of their own.
+    fn bake(&self, scene: &Path, proxies: &str, (tag, options): (&str, &[&str])) -> Result<PathBuf, String> {
         let name = scene.file_stem().unwrap_or_default().to_string_lossy();
-        let baked = folder("")?.join(format!("{name}.proxies-{proxies}.glb"));
+        let baked = folder("")?.join(format!("{name}.proxies-{proxies}{tag}.glb"));
         let time = |file: &Path| std::fs::metadata(file).and_then(|data| data.modified()).ok();
         if time(&baked) <= time(scene) {
             let mut build = svs();
-            build.arg("build").arg(scene).arg("-o").arg(&baked).args(["-q", "--proxies", proxies]);
+            build
+                .arg("build")
+                .arg(scene)
+                .arg("-o")
+                .arg(&baked)
+                .args(["-q", "--proxies", proxies])
+                .args(options);
             run::step(&format!("bake {name} with proxies ({proxies})"), &mut build)?;
         }
         Ok(baked)
