@@ -48,7 +48,7 @@ pub(crate) fn web(options: &Options) -> Result<(), String> {
         run::cargo().args(["build", "--release", "--package", "svs", "--example", "draws"]),
     )?;
     web::install()?;
-    wasm::wasm(&wasm::Options::default())?;
+    wasm::wasm(&wasm::Options::only("svs-runtime-wasm"))?;
     let matches = |name: &str| options.only.split(',').any(|part| name.contains(part));
     let scenes = find_scenes(&options.scenes, "")?;
     let scenes: Vec<&(String, PathBuf)> = scenes.iter().filter(|(name, _)| matches(name)).collect();

@@ -70,6 +70,11 @@ pub(crate) struct Options {
 }
 
 impl Options {
+    /// Modules whose name contains this.
+    pub(crate) fn only(name: &str) -> Self {
+        Self { only: Some(name.to_owned()), ..Self::default() }
+    }
+
     /// Reads the arguments after `wasm`.
     pub(crate) fn parse(mut arguments: &[&str]) -> Result<Self, String> {
         let mut options = Self::default();
