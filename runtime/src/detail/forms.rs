@@ -170,7 +170,7 @@ impl Forms {
         fine: bool,
         parent: u32,
     ) -> u32 {
-        let value = view.shown * right(view.loss);
+        let value = view.shown * (1.0 - view.loss);
         let before = source.history.of_proxy(source, entry, node);
         let worth = if before == Before::Proxy { value * source.history.factor } else { value };
         let first = self.choices.len() as u32;
@@ -206,7 +206,7 @@ impl Forms {
         parent: u32,
     ) {
         let scene = source.scene;
-        let value = |level| object.pixels * right(scene.level_loss(object, level));
+        let value = |level| object.pixels * (1.0 - scene.level_loss(object, level));
         let known = before.map(value);
         let first = self.choices.len() as u32;
         let mut level = scene.coarsest(object);
@@ -228,10 +228,4 @@ impl Forms {
         let (target, before) = (Target::Slot(slot), Before::Nothing);
         self.list.push(Form { parent, entry, target, fine: false, before, first, count });
     }
-}
-
-/// How much counts what shows a share of its pixels wrong: squared, for a pixel that is wrong is worse than one that shows
-/// what is behind.
-fn right(loss: f64) -> f64 {
-    (1.0 - loss) * (1.0 - loss)
 }

@@ -115,7 +115,7 @@ fn the_numbers_of_the_worked_example() {
     let rows = table("| Visible");
     let value = |row: &[&str], pixels: f64, loss: f64| {
         same(row[7], 1.0 - loss);
-        same(row[8], pixels * (1.0 - loss) * (1.0 - loss));
+        same(row[8], pixels * (1.0 - loss));
     };
     for (slot, row) in rows[..3].iter().enumerate() {
         let Content::Object(candidate) = layout.slots[slot].content() else { panic!("no object") };

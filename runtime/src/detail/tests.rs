@@ -163,10 +163,6 @@ fn both(a: &Front, b: &Front) -> Front {
     best_of(a.iter().flat_map(|x| b.iter().map(move |y| (x.0 + y.0, x.1 + y.1))).collect())
 }
 
-fn right(loss: f64) -> f64 {
-    (1.0 - loss).powi(2)
-}
-
 /// All cuts worth having of a part of entry 0.
 fn cuts(scene: &Scene<'_>, layout: &Layout, below: Option<u32>) -> Front {
     let entry = &layout.entries[0];
@@ -177,7 +173,7 @@ fn cuts(scene: &Scene<'_>, layout: &Layout, below: Option<u32>) -> Front {
                 let mut of_node = cuts(scene, layout, Some(node));
                 if let Some(view) = scene.view(layout, entry, node, slots) {
                     assert!(view.shown <= view.pixels);
-                    of_node.push((u64::from(view.triangles), view.shown * right(view.loss)));
+                    of_node.push((u64::from(view.triangles), view.shown * (1.0 - view.loss)));
                 }
                 front = both(&front, &best_of(of_node));
             }
@@ -188,7 +184,7 @@ fn cuts(scene: &Scene<'_>, layout: &Layout, below: Option<u32>) -> Front {
                     let mut of_object = vec![(0, 0.0)];
                     let mut level = scene.coarsest(&object);
                     loop {
-                        let value = object.pixels * right(scene.level_loss(&object, level));
+                        let value = object.pixels * (1.0 - scene.level_loss(&object, level));
                         of_object.push((scene.level_triangles(&object, level).into(), value));
                         if level == 0 {
                             break;
@@ -223,7 +219,7 @@ fn measure(culler: &SceneCuller, detail: Detail) -> (f64, Front) {
             let drawn = states.nodes[node as usize] == NodeState::Drawn;
             if drawn {
                 let view = scene.view(layout, entry, node, slots).unwrap();
-                value += view.shown * right(view.loss);
+                value += view.shown * (1.0 - view.loss);
             }
             drawn
         }
@@ -234,7 +230,7 @@ fn measure(culler: &SceneCuller, detail: Detail) -> (f64, Front) {
                 value += match states.slots[slot] {
                     DROPPED => 0.0,
                     COVERED => unreachable!("no proxy stands for it"),
-                    level => object.pixels * right(scene.level_loss(&object, level)),
+                    level => object.pixels * (1.0 - scene.level_loss(&object, level)),
                 };
             }
             true
