@@ -28,11 +28,12 @@ Commands:
       --only NAME                     only modules whose package name contains NAME
       --std auto|debian               standard library: rustup's where it is or can be installed, else Debian's (auto),
                                       or Debian's in any case
-  bench scenes  bake, validate and verify the public scenes and print the table of the README
+  bench scenes  bake, validate and verify the public scenes and print the table of the README, and what proxies cost
       --quality draft|standard|high   quality of the bake (default: standard)
       --cameras N                     cameras per group of views (default: as `svs verify`)
       --only NAME                     only scenes whose name contains NAME
       --scenes FOLDER                 where the scenes are (default: ../shared/scenes)
+      --cost                          bake and validate only
   bench frames  fly through the public scenes and three large generated ones and print the tables of the README;
                 reports are left in target/bench/frames
       --only NAME[,NAME...]           only scenes whose name contains one of them

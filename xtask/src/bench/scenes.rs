@@ -19,6 +19,8 @@ pub(crate) struct Options {
     cameras: Option<String>,
     only: String,
     scenes: PathBuf,
+    /// Bakes are made and checked, but not flown through.
+    cost: bool,
 }
 
 impl Options {
@@ -28,6 +30,7 @@ impl Options {
             cameras: None,
             only: String::new(),
             scenes: run::root().join("../shared/scenes"),
+            cost: false,
         };
         let mut words = words.iter();
         while let Some(&word) = words.next() {
@@ -37,6 +40,7 @@ impl Options {
                 "--cameras" => options.cameras = Some(value()?),
                 "--only" => options.only = value()?,
                 "--scenes" => options.scenes = value()?.into(),
+                "--cost" => options.cost = true,
                 _ => return Err(format!("unknown option `{word}` of `bench scenes`")),
             }
         }
@@ -56,7 +60,8 @@ pub(crate) fn scenes(options: &Options) -> Result<(), String> {
     let mut failed = Vec::new();
     for (name, file) in found {
         eprintln!("== {name}");
-        match measure(options, &file, &folder.join(format!("{name}.svs.glb"))) {
+        let outputs = ["svs", "proxies-auto"].map(|tag| folder.join(format!("{name}.{tag}.glb")));
+        match measure(options, &file, &outputs) {
             Ok(mut result) => {
                 result["scene"] = name.into();
                 results.push(result);
@@ -65,40 +70,53 @@ pub(crate) fn scenes(options: &Options) -> Result<(), String> {
         }
         save(&folder.join("scenes.json"), &json!({ "quality": options.quality, "scenes": results }))?;
     }
-    println!("{}", report(&results));
+    println!("{}", report(&results, options));
     if failed.is_empty() { Ok(()) } else { Err(format!("not all scenes passed\n{}", failed.join("\n"))) }
 }
 
-/// Bakes one scene, checks the result with both validators, measures it.
-fn measure(options: &Options, input: &Path, output: &Path) -> Result<Value, String> {
-    let build = run::json(svs().arg("build").arg(input).arg("-o").arg(output).args([
-        "--quality",
-        &options.quality,
-        "--json",
-    ]))?;
-    let validation = run::json(svs().arg("validate").arg(output).arg("--json"))?;
-    let khronos = if khronos::installed() {
-        let (before, after) = (khronos::validate(input)?, khronos::validate(output)?);
-        if before == (0, 0) && after != (0, 0) {
-            return Err(format!("the Khronos validator finds {} errors and {} warnings", after.0, after.1));
-        }
-        json!({ "errors": after.0, "warnings": after.1 })
-    } else {
-        eprintln!("the Khronos validator is not there (`cargo xtask test` installs it): not run");
-        Value::Null
-    };
+/// Bakes one scene without and with proxies, checks the results with both validators, measures the first.
+fn measure(options: &Options, input: &Path, [plain, proxies]: &[PathBuf; 2]) -> Result<Value, String> {
+    let (build, validation, khronos) = bake(options, input, plain, "off")?;
+    let (with_proxies, ..) = bake(options, input, proxies, "auto")?;
+    let mut result =
+        json!({ "build": build, "validate": validation, "khronos": khronos, "with_proxies": with_proxies });
+    if options.cost {
+        return Ok(result);
+    }
     let mut verify = svs();
-    verify.arg("verify").arg(output).arg("--json");
+    verify.arg("verify").arg(plain).arg("--json");
     if let Some(cameras) = &options.cameras {
         verify.args(["--cameras", cameras]);
     }
     let verify = run::json(&mut verify)?;
     eprintln!(
         "   {} s to bake, {} s to verify",
-        short(at(&build, "/wall_seconds")),
+        short(at(&result, "/build/wall_seconds")),
         short(at(&verify, "/wall_seconds"))
     );
-    Ok(json!({ "build": build, "validate": validation, "khronos": khronos, "verify": verify }))
+    result["verify"] = verify;
+    Ok(result)
+}
+
+/// Bakes one scene: the report, and what both validators say.
+fn bake(
+    options: &Options,
+    input: &Path,
+    output: &Path,
+    proxies: &str,
+) -> Result<(Value, Value, Value), String> {
+    let words = ["--quality", &options.quality, "--proxies", proxies, "--json"];
+    let build = run::json(svs().arg("build").arg(input).arg("-o").arg(output).args(words))?;
+    let validation = run::json(svs().arg("validate").arg(output).arg("--json"))?;
+    if !khronos::installed() {
+        eprintln!("the Khronos validator is not there (`cargo xtask test` installs it): not run");
+        return Ok((build, validation, Value::Null));
+    }
+    let (before, after) = (khronos::validate(input)?, khronos::validate(output)?);
+    if before == (0, 0) && after != (0, 0) {
+        return Err(format!("the Khronos validator finds {} errors and {} warnings", after.0, after.1));
+    }
+    Ok((build, validation, json!({ "errors": after.0, "warnings": after.1 })))
 }
 
 /// Mean missing ppm and triangles over those in the frustum, of a method in a group of cameras.
@@ -125,7 +143,7 @@ fn advantage(scene: &Value, group: &str) -> f64 {
     }
 }
 
-fn report(results: &[Value]) -> String {
+fn report(results: &[Value], options: &Options) -> String {
     let cost: Vec<Vec<String>> = results.iter().map(cost_row).collect();
     let mut text = markdown(
         &[
@@ -140,6 +158,23 @@ fn report(results: &[Value]) -> String {
         ],
         &cost,
     );
+    text += "\nWith `--proxies auto`:\n\n";
+    let rows: Vec<Vec<String>> = results.iter().map(proxies_row).collect();
+    text += &markdown(
+        &[
+            "scene",
+            "seconds",
+            "peak memory, MB",
+            "proxies",
+            "simplified meshes",
+            "of proxies and meshes, kB",
+            "% of geometry",
+        ],
+        &rows,
+    );
+    if options.cost {
+        return text;
+    }
     for group in ["outside", "inside"] {
         let rows: Vec<Vec<String>> = results.iter().map(|scene| quality_row(scene, group)).collect();
         text +=
@@ -183,6 +218,20 @@ fn cost_row(scene: &Value) -> Vec<String> {
     ]
 }
 
+fn proxies_row(scene: &Value) -> Vec<String> {
+    let build = &scene["with_proxies"];
+    let bytes = at(build, "/proxies/bytes");
+    vec![
+        scene["scene"].as_str().unwrap_or_default().to_owned(),
+        short(at(build, "/wall_seconds")),
+        count(at(build, "/peak_memory_bytes") / 1e6),
+        count(at(build, "/proxies/nodes")),
+        count(at(build, "/proxies/mesh_levels")),
+        short(bytes / 1e3),
+        short(100.0 * bytes / at(build, "/geometry_bytes")),
+    ]
+}
+
 fn quality_row(scene: &Value, group: &str) -> Vec<String> {
     let mut row = vec![scene["scene"].as_str().unwrap_or_default().to_owned()];
     for method in [DEFAULT, EQUAL, PUBLISHED] {
@@ -212,6 +261,8 @@ mod tests {
             "scene": "x",
             "build": { "objects": 10, "triangles": 1200, "wall_seconds": 1.5, "peak_memory_bytes": 2e6,
                        "bytes_added": 2000, "geometry_bytes": 100_000 },
+            "with_proxies": { "wall_seconds": 3.0, "peak_memory_bytes": 4e6, "geometry_bytes": 100_000,
+                              "proxies": { "nodes": 30, "mesh_levels": 4, "bytes": 15_000 } },
             "verify": { "groups": [group(DEFAULT, 1.0), group(EQUAL, ours), group(PUBLISHED, published)] },
         })
     }
@@ -219,6 +270,7 @@ mod tests {
     #[test]
     fn rows_hold_what_was_measured() {
         assert_eq!(cost_row(&scene(2.0, 10.0)), ["x", "10", "1,200", "1.5", "2", "2.0", "2.0", "200"]);
+        assert_eq!(proxies_row(&scene(2.0, 10.0)), ["x", "3.0", "4", "30", "4", "15", "15"]);
         let row = quality_row(&scene(2.0, 10.0), "outside");
         assert_eq!(row, ["x", "1.0", "0.50", "2.0", "0.50", "10", "0.50", "5.0"]);
         assert_eq!(quality_row(&scene(2.0, 10.0), "inside")[1..], ["-"; 7]);
@@ -239,7 +291,7 @@ mod tests {
 
     #[test]
     fn options_are_checked() {
-        assert!(Options::parse(&["--quality", "draft", "--only", "linz"]).is_ok());
+        assert!(Options::parse(&["--quality", "draft", "--only", "linz", "--cost"]).is_ok());
         assert!(Options::parse(&["--quality"]).is_err());
         assert!(Options::parse(&["--colour", "red"]).is_err());
     }
